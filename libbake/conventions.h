@@ -3,6 +3,12 @@
 #ifndef BAKE_CONVENTIONS_H
 #define BAKE_CONVENTIONS_H
 
+#include "err.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* What a relief map's values mean: depth, 0 = on the surface and 1 = deepest
  * (the papers), or height, white = high. */
 enum bake_polarity {
@@ -26,5 +32,16 @@ enum bake_normal_code {
 	BAKE_NORMAL_CODE_UNSIGNED,
 	BAKE_NORMAL_CODE_SIGNED
 };
+
+/* "depth", "height", "unsure". Static text. */
+BAKE_API const char *bake_polarity_name(enum bake_polarity polarity);
+/* "up", "down", "unsure". Static text. */
+BAKE_API const char *bake_normal_y_name(enum bake_normal_y normal_y);
+/* "auto", "unsigned", "signed". Static text. */
+BAKE_API const char *bake_normal_code_name(enum bake_normal_code code);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

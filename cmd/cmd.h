@@ -1,0 +1,164 @@
+/* The frame that the tools share: options, messages, files, exit codes. */
+/* SPDX-License-Identifier: MIT */
+#ifndef CMD_H
+#define CMD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "conventions.h"
+#include "io_image.h"
+#include "parallel.h"
+#include "relief.h"
+
+enum { CMD_EXIT_OK = 0, CMD_EXIT_FAIL = 1, CMD_EXIT_USAGE = 2 };
+
+/* Keys of options that have no letter begin here. */
+enum { CMD_KEY_LONG = 256, CMD_KEY_TOOL = 512 };
+
+/*
+ * One option. Usage text, getopt and the shell's completion come from this
+ * table; keep it sorted by the long name.
+ */
+struct cmd_option {
+	int key;          /* its letter, or CMD_KEY_TOOL + n */
+	const char *name; /* long name, without the dashes */
+	const char *arg;  /* what its argument is called; NULL: a flag */
+	const char *help; /* one line */
+};
+
+/* Groups of options that several tools have. */
+enum {
+	CMD_OPTS_OUTPUT = 1,       /* -o -O -d -M --format --png-level */
+	CMD_OPTS_RELIEF = 2,       /* --height --wrap --depth-range */
+	CMD_OPTS_NORMAL = 4,       /* --normal-y --normal-code */
+	CMD_OPTS_OUTPUT_NORMAL = 8 /* --output-normal-y */
+};
+
+struct cmd;
+
+struct cmd_tool {
+	const char *name;
+	const char *operands;             /* for the usage line: "IN …" */
+	const char *about;                /* what it does, one line */
+	const struct cmd_option *options; /* its own, ended by .name = NULL */
+	unsigned groups;
+	/* take one of its own options; false: wrong usage, the reason printed
+	 * by cmd_usage_error */
+	bool (*set)(struct cmd *cmd, int key, const char *arg);
+	void *opts; /* the tool's own state, for set */
+};
+
+/* A growing list of texts. */
+struct cmd_list {
+	char **item;
+	int n;
+};
+
+/* What was asked for: the common options, and the operands. */
+struct cmd {
+	const struct cmd_tool *tool;
+	FILE *err; /* standard error, for our messages alone */
+	struct cmd_list args; /* response files expanded */
+	struct cmd_list operands;
+	const char *output, *output_dir, *depfile;
+	bool has_data_format, has_type, has_wrap;
+	enum bake_data_format data_format;
+	enum bake_file_type type;
+	int png_level;
+	int nthreads;
+	bool quiet, verbose;
+	struct bake_read_limits limits;
+	enum bake_polarity polarity; /* of every input relief map */
+	bool has_polarity;
+	struct bake_wrap wrap;
+	enum bake_normal_y normal_y; /* of input; UP by default */
+	bool has_normal_y;
+	enum bake_normal_y output_normal_y; /* UP by default */
+	enum bake_normal_code normal_code;
+	bool normalize; /* --depth-range auto */
+	bool has_depth_range;
+	double depth_near, depth_far; /* --depth-range NEAR,FAR */
+	struct cmd_list read;         /* files read, for the depfile */
+	struct cmd_list written;
+};
+
+/*
+ * Parse the command line. Returns true where the tool should run; else
+ * *exit_status is what to leave with (help, version, wrong usage).
+ *
+ *	int
+ *	main(int argc, char *argv[])
+ *	{
+ *		struct opts o = {…};
+ *		struct cmd_tool tool = {…, .set = set_option, .opts = &o };
+ *		struct cmd cmd;
+ *		int status;
+ *
+ *		if (cmd_parse(&cmd, &tool, argc, argv, &status))
+ *			status = run(&cmd, &o);
+ *		return cmd_finish(&cmd, status);
+ *	}
+ */
+bool cmd_parse(struct cmd *cmd, const struct cmd_tool *tool, int argc,
+    char *argv[], int *exit_status);
+
+/* Write the depfile where status is CMD_EXIT_OK, flush standard output
+ * (failing where that fails), free all; returns the final exit status. */
+int cmd_finish(struct cmd *cmd, int status);
+
+/* One line on stderr: 'rm-tool: …'. cmd_warn is silent with --quiet, cmd_note
+ * without --verbose. Control characters are replaced. */
+void cmd_error(const struct cmd *cmd, const char *fmt, ...)
+    __attribute__((format(printf, 2, 3)));
+void cmd_warn(const struct cmd *cmd, const char *fmt, ...)
+    __attribute__((format(printf, 2, 3)));
+void cmd_note(const struct cmd *cmd, const char *fmt, ...)
+    __attribute__((format(printf, 2, 3)));
+/* The reason, then the usage line; returns false, so that a setter can
+ * return it. */
+bool cmd_usage_error(const struct cmd *cmd, const char *fmt, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* From now on only our own messages reach standard error: image libraries
+ * print there too. With --verbose they may. */
+void cmd_silence_libraries(const struct cmd *cmd);
+
+/* Strict numbers: the whole text, within lo .. hi; otherwise a usage error
+ * that names the option, and false. */
+bool cmd_int(const struct cmd *cmd, const char *option, const char *text,
+    long lo, long hi, int *value);
+bool cmd_number(const struct cmd *cmd, const char *option, const char *text,
+    double lo, double hi, double *value);
+/* A comma-separated list of 1 .. max numbers; *n is how many. */
+bool cmd_numbers(const struct cmd *cmd, const char *option, const char *text,
+    double lo, double hi, double *value, int max, int *n);
+/* WxH in texels. */
+bool cmd_size(const struct cmd *cmd, const char *option, const char *text,
+    int *width, int *height);
+/* One of n names; *index is which. */
+bool cmd_choice(const struct cmd *cmd, const char *option, const char *text,
+    const char *const *names, int n, int *index);
+
+/* Append a copy of the text; out of memory ends the process with an error. */
+void cmd_list_add(struct cmd_list *list, const char *text);
+void cmd_list_free(struct cmd_list *list);
+
+/* PATH with suffix put before its extension, and another extension where ext
+ * (with its dot) is given; in dir instead of its own folder where dir is not
+ * NULL. Caller frees. */
+char *cmd_path_derive(
+    const char *path, const char *dir, const char *suffix, const char *ext);
+
+/* The progress bar: on a terminal only, for work longer than a second. */
+struct cmd_progress {
+	FILE *err;
+	double started, shown;
+	bool drawn;
+};
+struct bake_progress cmd_progress_start(
+    const struct cmd *cmd, struct cmd_progress *state);
+void cmd_progress_end(struct cmd_progress *state);
+
+#endif

@@ -1,0 +1,409 @@
+/* Reading and writing maps for the tools: warnings, repair, depfile. */
+/* SPDX-License-Identifier: MIT */
+#include "cmd_image.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "output.h"
+#include "repair.h"
+
+void
+cmd_map_free(struct cmd_map *map)
+{
+	bake_image_free(&map->img);
+}
+
+static void
+print_failure(const struct cmd *cmd, const struct bake_err *err)
+{
+	const char *way_out = "";
+
+	if (err->code == BAKE_ELIMIT)
+		way_out = "; --max-pixels N allows it";
+	cmd_error(cmd, "%s%s", err->msg, way_out);
+}
+
+/* What is in the file but is not used. */
+static void
+warn_unused(const struct cmd *cmd, const char *path,
+    const struct bake_image_info *info)
+{
+	if (info->nsubimages > 1)
+		cmd_warn(cmd, "%s: has several images; the first is read",
+		    path);
+	if (info->orientation > 1)
+		cmd_warn(cmd,
+		    "%s: its orientation tag (%d) is ignored: rows are read "
+		    "as stored",
+		    path, info->orientation);
+	if (info->windowed)
+		cmd_warn(cmd,
+		    "%s: its data window is not its display window; the "
+		    "%dx%d texels of the data window are read",
+		    path, info->width, info->height);
+}
+
+static bool
+open_map(struct cmd *cmd, const char *path, struct cmd_map *map,
+    struct bake_reader **reader)
+{
+	struct bake_err err = BAKE_ERR_INIT;
+
+	cmd_silence_libraries(cmd);
+	memset(map, 0, sizeof *map);
+	map->path = strcmp(path, "-") == 0 ? "standard input" : path;
+	if (bake_reader_open(reader, path, &cmd->limits, &map->info, &err) !=
+	    BAKE_OK) {
+		print_failure(cmd, &err);
+		return false;
+	}
+	if (strcmp(path, "-") != 0)
+		cmd_list_add(&cmd->read, path);
+	bake_relief_meta_from_attrs(&map->meta, &map->info.attrs);
+	warn_unused(cmd, map->path, &map->info);
+	return true;
+}
+
+static bool
+read_channels(struct cmd *cmd, struct bake_reader *reader, int first, int n,
+    struct cmd_map *map)
+{
+	struct bake_err err = BAKE_ERR_INIT;
+
+	if (bake_reader_read(reader, first, n, &map->img, &err) == BAKE_OK)
+		return true;
+	print_failure(cmd, &err);
+	return false;
+}
+
+static bool
+repair(struct cmd *cmd, struct cmd_map *map)
+{
+	struct bake_err err = BAKE_ERR_INIT;
+	size_t n = 0;
+
+	/* integer codes are numbers */
+	if (bake_data_format_max(map->info.data_format) != 0)
+		return true;
+	if (bake_repair_nonfinite(&map->img, cmd->wrap, cmd->nthreads, &n,
+		&err) != BAKE_OK) {
+		cmd_error(cmd, "%s: %s", map->path, err.msg);
+		cmd_map_free(map);
+		return false;
+	}
+	if (n > 0)
+		cmd_warn(cmd,
+		    "%s: %zu texels are not numbers (or beyond 1e30); filled "
+		    "from their neighbours",
+		    map->path, n);
+	return true;
+}
+
+bool
+cmd_read_raw(struct cmd *cmd, const char *path, struct cmd_map *map)
+{
+	struct bake_reader *reader;
+	bool ok;
+
+	if (!open_map(cmd, path, map, &reader))
+		return false;
+	ok = read_channels(cmd, reader, 0, map->info.nchans, map);
+	bake_reader_close(reader);
+	return ok;
+}
+
+bool
+cmd_read(struct cmd *cmd, const char *path, struct cmd_map *map)
+{
+	return cmd_read_raw(cmd, path, map) && repair(cmd, map);
+}
+
+int
+cmd_channel_index(const struct bake_image_info *info, const char *name)
+{
+	static const char usual[] = "RGBA";
+	const char *letter = strchr(usual, *name);
+	char *end;
+	long i;
+
+	for (int c = 0; c < info->nchans && c < BAKE_INFO_NAMES; c++)
+		if (strcasecmp(info->names[c], name) == 0)
+			return c;
+	if (*name != '\0' && name[1] == '\0' && letter != NULL &&
+	    letter - usual < info->nchans)
+		return (int)(letter - usual);
+	i = strtol(name, &end, 10);
+	return end != name && *end == '\0' && i >= 0 && i < info->nchans
+	    ? (int)i
+	    : -1;
+}
+
+bool
+cmd_packed_channels(const struct bake_image_info *info, int channel[4])
+{
+	static const char *const own[] = { "normal.x", "normal.y", "ao",
+		"depth" };
+	static const char *const usual[] = { "R", "G", "B", "A" };
+
+	if (info->nchans < 4)
+		return false;
+	for (int c = 0; c < 4; c++) {
+		channel[c] = cmd_channel_index(info, own[c]);
+		if (channel[c] < 0)
+			channel[c] = cmd_channel_index(info, usual[c]);
+	}
+	return channel[0] >= 0 && channel[1] >= 0 && channel[2] >= 0 &&
+	    channel[3] >= 0;
+}
+
+/* Whether four channels look like a packed texture: A is no constant, and
+ * (R, G) lies in the unit disc nearly everywhere without being grey. */
+static bool
+looks_packed(const struct bake_image *img)
+{
+	size_t n = 0, outside = 0, coloured = 0;
+	float lo = img->data[3], hi = img->data[3];
+
+	for (int y = 0; y < img->height; y++) {
+		const float *t = bake_image_row(img, y);
+
+		for (int x = 0; x < img->width; x++, t += img->nchans) {
+			float nx = 2 * t[0] - 1, ny = 2 * t[1] - 1;
+
+			n++;
+			outside += !(nx * nx + ny * ny <= 1.02f);
+			coloured += t[0] != t[1] || t[1] != t[2];
+			lo = t[3] < lo ? t[3] : lo;
+			hi = t[3] > hi ? t[3] : hi;
+		}
+	}
+	return lo < hi && outside * 1000 <= n && coloured * 2 > n;
+}
+
+/* The channel whose name says that it is a relief; -1 where none does. */
+static int
+relief_by_name(const struct bake_image_info *info)
+{
+	static const char *const names[] = { "depth", "height", "depth.Z",
+		"displacement", "Z" };
+
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		for (int c = 0; c < info->nchans && c < BAKE_INFO_NAMES; c++)
+			if (strcasecmp(info->names[c], names[i]) == 0)
+				return c;
+	return -1;
+}
+
+/* The relief's channel where the texels need not be asked; -1 where they do.
+ */
+static int
+relief_by_info(const struct bake_image_info *info,
+    const struct bake_relief_meta *meta)
+{
+	int packed[4], named = relief_by_name(info);
+
+	if (named >= 0)
+		return named;
+	if ((meta->layout == BAKE_LAYOUT_RELIEF ||
+		meta->layout == BAKE_LAYOUT_NORMAL_RELIEF) &&
+	    cmd_packed_channels(info, packed))
+		return packed[3];
+	return info->nchans == 4 && meta->layout == BAKE_LAYOUT_UNKNOWN ? -1 : 0;
+}
+
+/* Keep one channel of a map that was read whole. */
+static bool
+keep_channel(struct cmd *cmd, struct cmd_map *map, int chan)
+{
+	struct bake_image one = BAKE_IMAGE_INIT;
+	struct bake_err err = BAKE_ERR_INIT;
+
+	if (bake_image_alloc(&one, map->img.width, map->img.height, 1, &err) !=
+	    BAKE_OK) {
+		cmd_error(cmd, "%s: %s", map->path, err.msg);
+		cmd_map_free(map);
+		return false;
+	}
+	bake_image_copy_channel(&one, 0, &map->img, chan);
+	bake_image_swap(&one, &map->img);
+	bake_image_free(&one);
+	return true;
+}
+
+/* Four channels that nothing says anything about. */
+static bool
+read_unknown_rgba(struct cmd *cmd, struct bake_reader *reader,
+    struct cmd_map *map)
+{
+	bool packed;
+
+	if (!read_channels(cmd, reader, 0, 4, map))
+		return false;
+	packed = looks_packed(&map->img);
+	if (packed) {
+		map->meta.layout = BAKE_LAYOUT_RELIEF;
+		cmd_warn(cmd,
+		    "%s: read as a packed texture, with the relief in A; "
+		    "--channel R reads R",
+		    map->path);
+	}
+	return keep_channel(cmd, map, packed ? 3 : 0);
+}
+
+bool
+cmd_read_channel(struct cmd *cmd, const char *path, const char *chan,
+    struct cmd_map *map)
+{
+	struct bake_reader *reader;
+	int c;
+	bool ok;
+
+	if (!open_map(cmd, path, map, &reader))
+		return false;
+	c = chan != NULL ? cmd_channel_index(&map->info, chan)
+			 : relief_by_info(&map->info, &map->meta);
+	if (c >= 0)
+		ok = read_channels(cmd, reader, c, 1, map);
+	else if (chan == NULL)
+		ok = read_unknown_rgba(cmd, reader, map);
+	else
+		ok = false;
+	if (!ok && chan != NULL && c < 0)
+		cmd_error(cmd, "%s: has no channel %s (it has %d)", map->path,
+		    chan, map->info.nchans);
+	bake_reader_close(reader);
+	return ok && repair(cmd, map);
+}
+
+/* v := (v - near) / (far - near) for all texels of one channel. */
+static void
+apply_range(struct bake_image *img, double near, double far)
+{
+	for (int y = 0; y < img->height; y++) {
+		float *row = bake_image_row(img, y);
+
+		for (int x = 0; x < img->width; x++)
+			row[x] = (float)((row[x] - near) / (far - near));
+	}
+}
+
+static void
+value_range(const struct bake_image *img, double *lo, double *hi)
+{
+	*lo = *hi = img->data[0];
+	for (int y = 0; y < img->height; y++) {
+		const float *row = bake_image_row(img, y);
+
+		for (int x = 0; x < img->width; x++) {
+			*lo = row[x] < *lo ? row[x] : *lo;
+			*hi = row[x] > *hi ? row[x] : *hi;
+		}
+	}
+}
+
+void
+cmd_to_depth(struct cmd *cmd, struct cmd_map *map)
+{
+	enum bake_polarity said = map->meta.polarity;
+	bool height = cmd->has_polarity ? cmd->polarity == BAKE_POLARITY_HEIGHT
+					: said == BAKE_POLARITY_HEIGHT;
+	double lo, hi;
+
+	if (cmd->has_polarity && said == BAKE_POLARITY_DEPTH)
+		cmd_warn(cmd,
+		    "%s: its metadata say depth, --height is taken",
+		    map->path);
+	value_range(&map->img, &lo, &hi);
+	if (cmd->has_depth_range) {
+		apply_range(&map->img, cmd->depth_near, cmd->depth_far);
+		value_range(&map->img, &lo, &hi);
+		height = false;
+	} else if (cmd->normalize && hi > lo) {
+		apply_range(&map->img, height ? hi : lo, height ? lo : hi);
+		return;
+	}
+	if (height)
+		bake_relief_flip(&map->img, 0);
+	if (lo < -1e-6 || hi > 1 + 1e-6)
+		cmd_warn(cmd,
+		    "%s: values run from %.6g to %.6g, expected 0 to 1; "
+		    "--depth-range NEAR,FAR or auto maps them",
+		    map->path, lo, hi);
+}
+
+struct bake_wrap
+cmd_wrap(const struct cmd *cmd, const struct cmd_map *map)
+{
+	return cmd->has_wrap || map == NULL || !map->meta.has_wrap
+	    ? cmd->wrap
+	    : map->meta.wrap;
+}
+
+char *
+cmd_output_path(const struct cmd *cmd, const char *input, const char *suffix)
+{
+	enum bake_file_type type = cmd->type;
+	char ext[16];
+
+	if (cmd->output != NULL)
+		return cmd_path_derive(cmd->output, NULL, suffix, NULL);
+	if (cmd->output_dir == NULL) {
+		cmd_usage_error(cmd, "no output: give -o FILE or -O DIR");
+		return NULL;
+	}
+	if (!cmd->has_type && !bake_file_type_from_path(input, &type))
+		type = BAKE_FILE_PNG;
+	snprintf(ext, sizeof ext, ".%s", bake_file_type_name(type));
+	return cmd_path_derive(input, cmd->output_dir, suffix, ext);
+}
+
+static bool
+write_params(struct cmd *cmd, const char *path, enum bake_data_format deepest,
+    struct bake_write_params *p)
+{
+	p->type = cmd->type;
+	p->png_level = cmd->png_level;
+	if (!cmd->has_type && !bake_file_type_from_path(path, &p->type)) {
+		cmd_error(cmd,
+		    "%s: its name does not say what to write: end it in .png, "
+		    ".tga, .tiff or .exr, or use --format",
+		    path);
+		return false;
+	}
+	p->data_format = cmd->has_data_format
+	    ? cmd->data_format
+	    : bake_file_type_nearest(p->type, deepest);
+	return true;
+}
+
+bool
+cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
+    enum bake_data_format deepest, const struct bake_relief_meta *meta,
+    const char *const *names)
+{
+	struct bake_output out = BAKE_OUTPUT_INIT;
+	struct bake_write_params p = { .names = names };
+	struct bake_err err = BAKE_ERR_INIT;
+	size_t nclipped = 0;
+
+	if (!write_params(cmd, path, deepest, &p))
+		return false;
+	bake_relief_meta_to_attrs(meta, &p.attrs);
+	if (bake_output_open(&out, path, &err) != BAKE_OK ||
+	    bake_image_write(img, &p, out.stream, path, &nclipped, &err) !=
+		BAKE_OK ||
+	    bake_output_commit(&out, &err) != BAKE_OK) {
+		bake_output_abort(&out);
+		cmd_error(cmd, "%s", err.msg);
+		return false;
+	}
+	if (nclipped > 0)
+		cmd_warn(cmd,
+		    "%s: %zu values outside 0 to 1 were clipped; -d float "
+		    "keeps them",
+		    path, nclipped);
+	cmd_list_add(&cmd->written, path);
+	return true;
+}

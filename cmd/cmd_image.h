@@ -1,0 +1,75 @@
+/* Reading and writing maps for the tools: warnings, repair, depfile. */
+/* SPDX-License-Identifier: MIT */
+#ifndef CMD_IMAGE_H
+#define CMD_IMAGE_H
+
+#include "cmd.h"
+
+/* An input map with what its file said of it. */
+struct cmd_map {
+	const char *path;
+	struct bake_image_info info;
+	struct bake_relief_meta meta;
+	struct bake_image img;
+};
+#define CMD_MAP_INIT                                                           \
+	{                                                                      \
+		.path = NULL                                                   \
+	}
+
+void cmd_map_free(struct cmd_map *map);
+
+/*
+ * Read a file whole: all channels, texels that are no numbers repaired with a
+ * warning. On failure the message is printed and false returned, the map then
+ * being empty. The path is noted for the depfile.
+ */
+bool cmd_read(struct cmd *cmd, const char *path, struct cmd_map *map);
+
+/* The same with no repair (NaN stays), to look at what is there. */
+bool cmd_read_raw(struct cmd *cmd, const char *path, struct cmd_map *map);
+
+/*
+ * Read one channel of a relief map or packed texture, and repair it: the one
+ * called chan; with NULL, what the file says (rm-formats(5)): A of a packed
+ * layout, else a channel called depth, height or Z, else A where R and G look
+ * like a normal's, else the first. Values are as stored.
+ */
+bool cmd_read_channel(struct cmd *cmd, const char *path, const char *chan,
+    struct cmd_map *map);
+
+/* Index of a channel by name (R G B A, the file's own name, or a number from
+ * 0); -1 where there is none. */
+int cmd_channel_index(const struct bake_image_info *info, const char *name);
+
+/* The channels of a packed texture in R G B A order, whatever their names and
+ * order in the file; false where there are fewer than four. */
+bool cmd_packed_channels(const struct bake_image_info *info, int channel[4]);
+
+/*
+ * Stored relief (1 channel) to depth: --depth-range and the polarity (the
+ * option, else the metadata, else depth) applied. Warns about values outside
+ * 0 .. 1 and where option and metadata contradict.
+ */
+void cmd_to_depth(struct cmd *cmd, struct cmd_map *map);
+
+/* The wrap to use: the option's, else the metadata's, else tile. */
+struct bake_wrap cmd_wrap(const struct cmd *cmd, const struct cmd_map *map);
+
+/* Where an output goes: -o, or DIR/STEM+suffix.TYPE with -O (TYPE by --format,
+ * else the input's extension where it can be written, else png). NULL, with a
+ * usage error, where neither was given. Caller frees. */
+char *cmd_output_path(const struct cmd *cmd, const char *input,
+    const char *suffix);
+
+/*
+ * Write an image to path in the type and the data format that the options and
+ * the path ask for; deepest is the deepest data format of the inputs. On
+ * failure the message is printed and false returned; warns about values that
+ * an integer format clipped. names (of the channels) may be NULL.
+ */
+bool cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
+    enum bake_data_format deepest, const struct bake_relief_meta *meta,
+    const char *const *names);
+
+#endif
