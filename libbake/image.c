@@ -15,8 +15,8 @@ bake_image_alloc(struct bake_image *img, int width, int height, int nchans,
 	*img = (struct bake_image)BAKE_IMAGE_INIT;
 	if (width < 1 || height < 1 || nchans < 1)
 		return bake_fail(err, BAKE_EINVAL,
-		    "an image of %dx%d texels with %d channels cannot be", width,
-		    height, nchans);
+		    "an image of %dx%d texels with %d channels cannot be",
+		    width, height, nchans);
 	if (!bake_mul_size((size_t)width, (size_t)nchans, &row) ||
 	    !bake_mul_size(row, (size_t)height, &count))
 		return bake_fail(err, BAKE_ENOMEM,

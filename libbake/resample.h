@@ -1,0 +1,95 @@
+/* Resampling: separable filters, toroidal or clamped, any channel count. */
+/* SPDX-License-Identifier: MIT */
+#ifndef BAKE_RESAMPLE_H
+#define BAKE_RESAMPLE_H
+
+#include "image.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/*
+ * Kernels k(t), t in source texels; all sum to 1 over t + integers.
+ *   BOX          the mean over the destination texel's footprint, by area:
+ *                nearest texel where magnified
+ *   TRIANGLE     1 - |t| on |t| < 1: linear interpolation
+ *   CATMULL_ROM  cubic with B = 0, C = 1/2 on |t| < 2: interpolates, so equal
+ *                size is the identity; may overshoot
+ *   MITCHELL     cubic with B = C = 1/3: a slight blur, little overshoot
+ *   BSPLINE      cubic with B = 1, C = 0: a blur, no overshoot, twice
+ *                continuously differentiable
+ */
+enum bake_filter {
+	BAKE_FILTER_CATMULL_ROM, /* the default */
+	BAKE_FILTER_BOX,
+	BAKE_FILTER_TRIANGLE,
+	BAKE_FILTER_MITCHELL,
+	BAKE_FILTER_BSPLINE
+};
+
+/*
+ * Which source position a destination texel shows, one axis each:
+ *     source = (x + 0.5) * step + offset - 0.5
+ * in texels whose centres are whole numbers. A layer of W texels tiled f times
+ * over w texels has step = f W / w; offset is in source texels.
+ */
+struct bake_resample_params {
+	struct bake_wrap wrap;
+	enum bake_filter filter;
+	double step_u, step_v;     /* > 0; 0: source size / destination size */
+	double offset_u, offset_v; /* finite */
+	bool keep_overshoot;       /* do not clamp to the source's range */
+	int nthreads;              /* 0 = all processors */
+};
+#define BAKE_RESAMPLE_PARAMS_DEFAULT                                           \
+	{                                                                      \
+		{false, false}, BAKE_FILTER_CATMULL_ROM, 0, 0, 0, 0, false, 0  \
+	}
+
+/*
+ * Resample an image to width x height texels. Along each axis
+ *     dst(x) = sum_i k((i - c) / m) src(i) / sum_i k((i - c) / m)
+ * with c the source position of texel x and m = max(step, 1): minified, the
+ * kernel is widened by the ratio, so that nothing aliases. Rows first, then
+ * columns, both summed in double in ascending order of i; float between.
+ *
+ * - A constant image keeps its bits.
+ * - Equal size (step 1, offset whole) keeps every bit with CATMULL_ROM,
+ *   TRIANGLE and BOX.
+ * - On a torus, reduction by a whole factor keeps the mean (BOX: any ratio).
+ * - Each channel is clamped to its range in the source unless keep_overshoot
+ *   is set (then the mean is kept without exception): depth stays in 0..1.
+ *   Normals come out shorter than 1: bake_normal_normalize them.
+ *
+ *   src            any size and channel count, finite; not modified
+ *   width, height  of the result, texels
+ *   dst            out: [height][width], src's channels; BAKE_IMAGE_INIT
+ *                  before, the caller frees it
+ *   params         never NULL
+ *   err            reason on failure; never NULL
+ *
+ * BAKE_EINVAL  a size below 1, an unknown filter, a step below 0, or a step
+ *              or offset that is not finite or beyond 1e8
+ * BAKE_ENOMEM  scratch memory: a float image of width x src->height and the
+ *              tables of weights (a destination texel's reach, 8 bytes each);
+ *              on any failure dst stays BAKE_IMAGE_INIT
+ *
+ * Reentrant. Same bytes for every thread count.
+ * Source: Mitchell and Netravali, 'Reconstruction filters in computer
+ * graphics', SIGGRAPH 1988, eq. 8 for the cubics.
+ */
+BAKE_API enum bake_status bake_resample_mapped(const struct bake_image *src,
+    int width, int height, const struct bake_resample_params *params,
+    struct bake_image *dst, struct bake_err *err);
+
+/* bake_resample_mapped of the whole image to width x height. */
+BAKE_API enum bake_status bake_resample(const struct bake_image *src,
+    struct bake_wrap wrap, enum bake_filter filter, int width, int height,
+    int nthreads, struct bake_image *dst, struct bake_err *err);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
