@@ -62,7 +62,7 @@ static const struct {
 		"the same for output (default: the target's, else up)" } },
 	{ CMD_OPTS_OUTPUT,
 	    { KEY_PNG_LEVEL, "png-level", "N",
-		"PNG deflate level, 1 to 9 (default 3)" } },
+		"PNG deflate level, 1 to 9 (default 2)" } },
 	{ 0, { 'q', "quiet", NULL, "no warnings" } },
 	{ 0,
 	    { 'j', "threads", "N",

@@ -125,6 +125,10 @@ bool cmd_usage_error(const struct cmd *cmd, const char *fmt, ...)
  * print there too. With --verbose they may. */
 void cmd_silence_libraries(const struct cmd *cmd);
 
+/* Whether n inputs go with the outputs that were asked for: at least one, and
+ * one only with -o; otherwise a usage error. */
+bool cmd_inputs_fit(const struct cmd *cmd, int n);
+
 /* Strict numbers: the whole text, within lo .. hi; otherwise a usage error
  * that names the option, and false. */
 bool cmd_int(const struct cmd *cmd, const char *option, const char *text,

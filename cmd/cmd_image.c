@@ -303,8 +303,8 @@ value_range(const struct bake_image *img, double *lo, double *hi)
 	}
 }
 
-void
-cmd_to_depth(struct cmd *cmd, struct cmd_map *map)
+enum bake_polarity
+cmd_relief_range(struct cmd *cmd, struct cmd_map *map)
 {
 	enum bake_polarity said = map->meta.polarity;
 	bool height = cmd->has_polarity ? cmd->polarity == BAKE_POLARITY_HEIGHT
@@ -321,16 +321,23 @@ cmd_to_depth(struct cmd *cmd, struct cmd_map *map)
 		value_range(&map->img, &lo, &hi);
 		height = false;
 	} else if (cmd->normalize && hi > lo) {
-		apply_range(&map->img, height ? hi : lo, height ? lo : hi);
-		return;
+		apply_range(&map->img, lo, hi);
+		lo = 0;
+		hi = 1;
 	}
-	if (height)
-		bake_relief_flip(&map->img, 0);
 	if (lo < -1e-6 || hi > 1 + 1e-6)
 		cmd_warn(cmd,
 		    "%s: values run from %.6g to %.6g, expected 0 to 1; "
 		    "--depth-range NEAR,FAR or auto maps them",
 		    map->path, lo, hi);
+	return height ? BAKE_POLARITY_HEIGHT : BAKE_POLARITY_DEPTH;
+}
+
+void
+cmd_to_depth(struct cmd *cmd, struct cmd_map *map)
+{
+	if (cmd_relief_range(cmd, map) == BAKE_POLARITY_HEIGHT)
+		bake_relief_flip(&map->img, 0);
 }
 
 struct bake_wrap
@@ -357,6 +364,28 @@ cmd_output_path(const struct cmd *cmd, const char *input, const char *suffix)
 		type = BAKE_FILE_PNG;
 	snprintf(ext, sizeof ext, ".%s", bake_file_type_name(type));
 	return cmd_path_derive(input, cmd->output_dir, suffix, ext);
+}
+
+bool
+cmd_outputs_differ(const struct cmd *cmd, const struct cmd_list *inputs)
+{
+	bool differ = true;
+
+	for (int i = 0; differ && cmd->output == NULL && i < inputs->n; i++) {
+		char *a = cmd_output_path(cmd, inputs->item[i], "");
+
+		for (int k = 0; differ && a != NULL && k < i; k++) {
+			char *b = cmd_output_path(cmd, inputs->item[k], "");
+
+			if (b != NULL && strcmp(a, b) == 0)
+				differ = cmd_usage_error(cmd,
+				    "%s and %s would both be written to %s",
+				    inputs->item[k], inputs->item[i], a);
+			free(b);
+		}
+		free(a);
+	}
+	return differ;
 }
 
 static bool
@@ -390,7 +419,8 @@ cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
 
 	if (!write_params(cmd, path, deepest, &p))
 		return false;
-	bake_relief_meta_to_attrs(meta, &p.attrs);
+	if (meta != NULL)
+		bake_relief_meta_to_attrs(meta, &p.attrs);
 	if (bake_output_open(&out, path, &err) != BAKE_OK ||
 	    bake_image_write(img, &p, out.stream, path, &nclipped, &err) !=
 		BAKE_OK ||

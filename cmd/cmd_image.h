@@ -47,10 +47,13 @@ int cmd_channel_index(const struct bake_image_info *info, const char *name);
 bool cmd_packed_channels(const struct bake_image_info *info, int channel[4]);
 
 /*
- * Stored relief (1 channel) to depth: --depth-range and the polarity (the
- * option, else the metadata, else depth) applied. Warns about values outside
- * 0 .. 1 and where option and metadata contradict.
+ * Apply --depth-range to a stored relief (1 channel) and tell what its values
+ * then are: depth or height, by the option, else the metadata, else depth.
+ * Warns about values outside 0 .. 1, and where option and metadata contradict.
  */
+enum bake_polarity cmd_relief_range(struct cmd *cmd, struct cmd_map *map);
+
+/* The same, and height turned into depth. */
 void cmd_to_depth(struct cmd *cmd, struct cmd_map *map);
 
 /* The wrap to use: the option's, else the metadata's, else tile. */
@@ -62,11 +65,15 @@ struct bake_wrap cmd_wrap(const struct cmd *cmd, const struct cmd_map *map);
 char *cmd_output_path(const struct cmd *cmd, const char *input,
     const char *suffix);
 
+/* Whether the outputs of all inputs have different names with -O; otherwise a
+ * usage error that names two that do not. */
+bool cmd_outputs_differ(const struct cmd *cmd, const struct cmd_list *inputs);
+
 /*
  * Write an image to path in the type and the data format that the options and
  * the path ask for; deepest is the deepest data format of the inputs. On
  * failure the message is printed and false returned; warns about values that
- * an integer format clipped. names (of the channels) may be NULL.
+ * an integer format clipped. meta and names (of the channels) may be NULL.
  */
 bool cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
     enum bake_data_format deepest, const struct bake_relief_meta *meta,

@@ -71,6 +71,20 @@ cmd_usage_error(const struct cmd *cmd, const char *fmt, ...)
 	return false;
 }
 
+bool
+cmd_inputs_fit(const struct cmd *cmd, int n)
+{
+	if (n == 0)
+		return cmd_usage_error(cmd, "no input");
+	if (cmd->output == NULL && cmd->output_dir == NULL)
+		return cmd_usage_error(cmd,
+		    "no output: give -o FILE or -O DIR");
+	if (n > 1 && cmd->output_dir == NULL)
+		return cmd_usage_error(cmd,
+		    "%d inputs and one output: give -O DIR", n);
+	return true;
+}
+
 void
 cmd_silence_libraries(const struct cmd *cmd)
 {

@@ -348,21 +348,15 @@ run(struct cmd *cmd, const struct opts *o)
 	int status = CMD_EXIT_OK;
 	int n = cmd->operands.n;
 
-	if (n == 0 || (n > 1 && cmd->output_dir == NULL)) {
-		cmd_usage_error(cmd,
-		    n == 0 ? "no input"
-			   : "%d inputs: give -O DIR, or one input with -o", n);
+	if (!cmd_inputs_fit(cmd, n))
 		return CMD_EXIT_USAGE;
-	}
-	if (cmd->output == NULL && cmd->output_dir == NULL) {
-		cmd_usage_error(cmd, "no output: give -o FILE or -O DIR");
-		return CMD_EXIT_USAGE;
-	}
 	if (n > 1 && (o->bent != NULL || o->horizons != NULL)) {
 		cmd_usage_error(cmd,
 		    "--bent-normal and --horizons take one input");
 		return CMD_EXIT_USAGE;
 	}
+	if (!cmd_outputs_differ(cmd, &cmd->operands))
+		return CMD_EXIT_USAGE;
 	for (int i = 0; i < n; i++)
 		if (!bake_file(cmd, o, cmd->operands.item[i]))
 			status = CMD_EXIT_FAIL;

@@ -78,6 +78,20 @@ BAKE_API enum bake_status bake_integrate(const struct bake_image *normal,
     const struct bake_integrate_params *params, struct bake_image *height,
     size_t *nlimited, struct bake_err *err);
 
+/*
+ * The damping for normals of 8 bits: 0.03 where they are within a degree, on
+ * average, of the normals of their own integral at lambda = 0, so that the
+ * operator of params made them; 0.3 where another did (see above). Costs one
+ * integration; params->damping is not looked at.
+ *
+ *   damping  out: unspecified on failure
+ *
+ * Errors, memory and threads as bake_integrate, with 16 bytes a texel more.
+ */
+BAKE_API enum bake_status bake_integrate_damping(
+    const struct bake_image *normal, const struct bake_integrate_params *params,
+    double *damping, struct bake_err *err);
+
 /* bake_integrate with lambda = 0, nothing counted. */
 BAKE_API enum bake_status bake_depth_from_normal(
     const struct bake_image *normal, struct bake_wrap wrap,

@@ -176,7 +176,8 @@ fill_info(struct bake_image_info *info, const ImageSpec &spec, ImageInput *in)
 	read_attrs(spec, &info->attrs);
 }
 
-/* Number of pages or parts, as far as the file says so cheaply. */
+/* Number of pages or parts; 2 stands for 'more than one' where the file does
+ * not say. */
 int
 count_subimages(const ImageSpec &spec, ImageInput *in)
 {
@@ -184,7 +185,10 @@ count_subimages(const ImageSpec &spec, ImageInput *in)
 
 	if (n > 0)
 		return n;
-	return in->seek_subimage(1, 0) && in->seek_subimage(0, 0) ? 2 : 1;
+	n = in->seek_subimage(1, 0) ? 2 : 1;
+	in->seek_subimage(0, 0);
+	in->geterror(); /* that there is no second one is no error */
+	return n;
 }
 
 enum bake_status
@@ -482,6 +486,9 @@ put_attrs(ImageSpec &spec, const struct bake_write_params *params)
 		spec.attribute("ImageDescription", line);
 }
 
+/* libpng's PNG_FILTER_PAETH */
+const int png_filter_paeth = 0x80;
+
 ImageSpec
 make_spec(const struct bake_image *img, const struct bake_write_params *params)
 {
@@ -508,6 +515,7 @@ make_spec(const struct bake_image *img, const struct bake_write_params *params)
 	spec.attribute("DateTime", "");
 	spec.attribute("Software", "");
 	spec.attribute("png:compressionLevel", params->png_level);
+	spec.attribute("png:filter", png_filter_paeth);
 	spec.attribute("oiio:dither", 0);
 	if (params->type == BAKE_FILE_TIFF || params->type == BAKE_FILE_EXR)
 		spec.attribute("compression", "zip");

@@ -108,9 +108,10 @@ struct bake_write_params {
 	int png_level; /* deflate level, 1 .. 9 */
 };
 
-/* PNG files are written with this deflate level: within a few per cent of
- * level 6's size on relief maps, at a third of its time. */
-enum { BAKE_PNG_LEVEL = 3 };
+/* PNG files are written with the Paeth filter and this deflate level: on a
+ * packed 2048x2048 rock 14 % larger than level 6 with the filter chosen row by
+ * row, at a sixth of its time. */
+enum { BAKE_PNG_LEVEL = 2 };
 
 /* Whether the type can hold the data format (PNG: uint8, uint16; TGA: uint8;
  * TIFF: all but half; EXR: half and float). */
