@@ -360,16 +360,20 @@ static bool
 output_is_clear(const struct cmd *cmd)
 {
 	enum bake_file_type type = cmd->type;
+	bool by_name;
 
 	if (cmd->output != NULL && cmd->output_dir != NULL)
 		return cmd_usage_error(cmd, "-o and -O exclude each other");
-	if (cmd->output != NULL && !cmd->has_type &&
-	    !bake_file_type_from_path(cmd->output, &type))
-		return cmd_usage_error(cmd,
-		    "%s: its name does not say what to write: end it in .png, "
-		    ".tga, .tiff or .exr, or use --format",
+	by_name = cmd->output != NULL &&
+	    bake_file_type_from_path(cmd->output, &type);
+	if (cmd->output != NULL && !cmd->has_type && !by_name)
+		return cmd_usage_error(cmd, CMD_NO_TYPE,
 		    strcmp(cmd->output, "-") == 0 ? "standard output"
 						  : cmd->output);
+	if (by_name && cmd->has_type && type != cmd->type)
+		return cmd_usage_error(cmd,
+		    "%s: its name says %s, --format %s", cmd->output,
+		    bake_file_type_name(type), bake_file_type_name(cmd->type));
 	if (cmd->output == NULL && !cmd->has_type)
 		return true;
 	if (cmd->has_data_format &&

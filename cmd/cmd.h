@@ -36,6 +36,11 @@ enum {
 	CMD_OPTS_OUTPUT_NORMAL = 8 /* --output-normal-y */
 };
 
+/* An output whose type nothing says; %s is its name. */
+#define CMD_NO_TYPE                                                            \
+	"%s: its name does not say what to write: end it in .png, .tga, "      \
+	".tiff or .exr, or use --format"
+
 struct cmd;
 
 struct cmd_tool {

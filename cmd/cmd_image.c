@@ -2,10 +2,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "cmd_image.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
+#include "dequantize.h"
 #include "output.h"
 #include "repair.h"
 
@@ -158,12 +160,28 @@ cmd_packed_channels(const struct bake_image_info *info, int channel[4])
 	    channel[3] >= 0;
 }
 
-/* Whether four channels look like a packed texture: A is no constant, and
- * (R, G) lies in the unit disc nearly everywhere without being grey. */
+/* Whether R, G and B are one picture, within what JPEG makes of a grey one. */
+static bool
+is_grey(const struct bake_image *img)
+{
+	size_t coloured = 0;
+
+	for (int y = 0; y < img->height; y++) {
+		const float *t = bake_image_row(img, y);
+
+		for (int x = 0; x < img->width; x++, t += img->nchans)
+			coloured += fabsf(t[0] - t[1]) > 0.02f ||
+			    fabsf(t[1] - t[2]) > 0.02f;
+	}
+	return coloured * 100 <= (size_t)img->width * (size_t)img->height;
+}
+
+/* Whether four channels that are not grey look like a packed texture: A is no
+ * constant, and (R, G) lies in the unit disc nearly everywhere. */
 static bool
 looks_packed(const struct bake_image *img)
 {
-	size_t n = 0, outside = 0, coloured = 0;
+	size_t n = 0, outside = 0;
 	float lo = img->data[3], hi = img->data[3];
 
 	for (int y = 0; y < img->height; y++) {
@@ -174,12 +192,11 @@ looks_packed(const struct bake_image *img)
 
 			n++;
 			outside += !(nx * nx + ny * ny <= 1.02f);
-			coloured += t[0] != t[1] || t[1] != t[2];
 			lo = t[3] < lo ? t[3] : lo;
 			hi = t[3] > hi ? t[3] : hi;
 		}
 	}
-	return lo < hi && outside * 1000 <= n && coloured * 2 > n;
+	return lo < hi && outside * 1000 <= n;
 }
 
 /* The channel whose name says that it is a relief; -1 where none does. */
@@ -202,6 +219,8 @@ static int
 relief_by_info(const struct bake_image_info *info,
     const struct bake_relief_meta *meta)
 {
+	/* a picture this large is not read whole for a warning's sake */
+	const long large = 1L << 26;
 	int packed[4], named = relief_by_name(info);
 
 	if (named >= 0)
@@ -210,7 +229,10 @@ relief_by_info(const struct bake_image_info *info,
 		meta->layout == BAKE_LAYOUT_NORMAL_RELIEF) &&
 	    cmd_packed_channels(info, packed))
 		return packed[3];
-	return info->nchans == 4 && meta->layout == BAKE_LAYOUT_UNKNOWN ? -1 : 0;
+	if (meta->layout != BAKE_LAYOUT_UNKNOWN || info->nchans < 3 ||
+	    info->nchans > 4 || (long)info->width * info->height > large)
+		return 0;
+	return -1;
 }
 
 /* Keep one channel of a map that was read whole. */
@@ -232,21 +254,26 @@ keep_channel(struct cmd *cmd, struct cmd_map *map, int chan)
 	return true;
 }
 
-/* Four channels that nothing says anything about. */
+/* Three or four channels that nothing says anything about. */
 static bool
-read_unknown_rgba(struct cmd *cmd, struct bake_reader *reader,
-    struct cmd_map *map)
+read_unknown(struct cmd *cmd, struct bake_reader *reader, struct cmd_map *map)
 {
-	bool packed;
+	bool packed, grey;
 
-	if (!read_channels(cmd, reader, 0, 4, map))
+	if (!read_channels(cmd, reader, 0, map->info.nchans, map))
 		return false;
-	packed = looks_packed(&map->img);
+	grey = is_grey(&map->img);
+	packed = map->img.nchans == 4 && !grey && looks_packed(&map->img);
 	if (packed) {
 		map->meta.layout = BAKE_LAYOUT_RELIEF;
 		cmd_warn(cmd,
 		    "%s: read as a packed texture, with the relief in A; "
 		    "--channel R reads R",
+		    map->path);
+	} else if (!grey) {
+		cmd_warn(cmd,
+		    "%s: its channels differ, as those of a colour or a normal "
+		    "map do; R is read as the relief",
 		    map->path);
 	}
 	return keep_channel(cmd, map, packed ? 3 : 0);
@@ -267,7 +294,7 @@ cmd_read_channel(struct cmd *cmd, const char *path, const char *chan,
 	if (c >= 0)
 		ok = read_channels(cmd, reader, c, 1, map);
 	else if (chan == NULL)
-		ok = read_unknown_rgba(cmd, reader, map);
+		ok = read_unknown(cmd, reader, map);
 	else
 		ok = false;
 	if (!ok && chan != NULL && c < 0)
@@ -340,6 +367,34 @@ cmd_to_depth(struct cmd *cmd, struct cmd_map *map)
 		bake_relief_flip(&map->img, 0);
 }
 
+bool
+cmd_smooth_steps(struct cmd *cmd, const struct cmd_map *map,
+    struct bake_image *depth, double scale, struct bake_wrap wrap, bool smooth)
+{
+	struct bake_err err = BAKE_ERR_INIT;
+	int bits = map->info.bits > 0 && map->info.bits < 8 ? map->info.bits : 8;
+	int max = (1 << bits) - 1;
+	double step, share;
+
+	if (map->info.data_format != BAKE_DATA_UINT8)
+		return true;
+	if (smooth) {
+		if (bake_dequantize(depth, max, wrap, cmd->nthreads, &err) ==
+		    BAKE_OK)
+			return true;
+		cmd_error(cmd, "%s: %s", map->path, err.msg);
+		return false;
+	}
+	bake_quantization_matters(depth, max, scale, &step, &share);
+	if (step * share > 0.02)
+		cmd_warn(cmd,
+		    "%s: %d-bit depth makes steps of %.2g texels at %.0f %% "
+		    "of the texels, which tilt horizons and normals; use a "
+		    "16-bit map or --dequantize",
+		    map->path, bits, step, 100 * share);
+	return true;
+}
+
 struct bake_wrap
 cmd_wrap(const struct cmd *cmd, const struct cmd_map *map)
 {
@@ -371,7 +426,7 @@ cmd_outputs_differ(const struct cmd *cmd, const struct cmd_list *inputs)
 {
 	bool differ = true;
 
-	for (int i = 0; differ && cmd->output == NULL && i < inputs->n; i++) {
+	for (int i = 0; differ && cmd->output_dir != NULL && i < inputs->n; i++) {
 		char *a = cmd_output_path(cmd, inputs->item[i], "");
 
 		for (int k = 0; differ && a != NULL && k < i; k++) {
@@ -394,11 +449,8 @@ write_params(struct cmd *cmd, const char *path, enum bake_data_format deepest,
 {
 	p->type = cmd->type;
 	p->png_level = cmd->png_level;
-	if (!cmd->has_type && !bake_file_type_from_path(path, &p->type)) {
-		cmd_error(cmd,
-		    "%s: its name does not say what to write: end it in .png, "
-		    ".tga, .tiff or .exr, or use --format",
-		    path);
+	if (!bake_file_type_from_path(path, &p->type) && !cmd->has_type) {
+		cmd_error(cmd, CMD_NO_TYPE, path);
 		return false;
 	}
 	p->data_format = cmd->has_data_format

@@ -56,6 +56,15 @@ enum bake_polarity cmd_relief_range(struct cmd *cmd, struct cmd_map *map);
 /* The same, and height turned into depth. */
 void cmd_to_depth(struct cmd *cmd, struct cmd_map *map);
 
+/*
+ * What 8-bit steps do to the horizons and normals of a depth image that came
+ * from map: smooth them within half a code where asked to, else warn where
+ * they matter. False with the reason printed.
+ */
+bool cmd_smooth_steps(struct cmd *cmd, const struct cmd_map *map,
+    struct bake_image *depth, double scale, struct bake_wrap wrap,
+    bool smooth);
+
 /* The wrap to use: the option's, else the metadata's, else tile. */
 struct bake_wrap cmd_wrap(const struct cmd *cmd, const struct cmd_map *map);
 

@@ -338,52 +338,72 @@ derive_relief(struct pack *p)
 	return true;
 }
 
-/* The relief as depth: itself, or a mirrored copy in *copy. */
-static const struct bake_image *
-depth_of(const struct pack *p, struct bake_image *copy, struct bake_err *err)
+/* A copy of the relief as depth, with its 8-bit steps smoothed if asked for:
+ * what is stored keeps its codes. */
+static bool
+copy_depth(struct pack *p, struct bake_image *depth)
 {
-	if (p->polarity == BAKE_POLARITY_DEPTH)
-		return &p->relief.img;
-	if (bake_image_alloc(copy, p->relief.img.width, p->relief.img.height, 1,
-		err) != BAKE_OK)
-		return NULL;
-	bake_image_copy_channel(copy, 0, &p->relief.img, 0);
-	bake_relief_flip(copy, 0);
-	return copy;
+	struct bake_err err = BAKE_ERR_INIT;
+
+	if (bake_image_alloc(depth, p->relief.img.width, p->relief.img.height,
+		1, &err) != BAKE_OK)
+		return failed(p, p->relief.path, &err);
+	bake_image_copy_channel(depth, 0, &p->relief.img, 0);
+	if (p->polarity == BAKE_POLARITY_HEIGHT)
+		bake_relief_flip(depth, 0);
+	/* an integrated depth has no info, and no steps */
+	return p->relief.info.width == 0 ||
+	    cmd_smooth_steps(p->cmd, &p->relief, depth, p->scale, p->wrap,
+		p->o->dequantize);
+}
+
+static enum bake_status
+bake_normals(struct pack *p, const struct bake_image *depth,
+    struct bake_err *err)
+{
+	enum bake_status rc = bake_normal_from_depth(depth, p->scale, p->wrap,
+	    p->o->slope, p->cmd->nthreads, &p->normal.img, err);
+
+	if (rc == BAKE_OK)
+		bake_normal_encode(&p->normal.img, false);
+	p->normal_y = BAKE_NORMAL_Y_UP;
+	p->has_normal = true;
+	return rc;
+}
+
+static enum bake_status
+bake_occlusion(struct pack *p, const struct bake_image *depth,
+    struct bake_err *err)
+{
+	struct bake_ao_params params = p->o->ao;
+	struct bake_ao_result res = { &p->ao.img, NULL, NULL };
+	struct cmd_progress bar;
+	enum bake_status rc;
+
+	params.wrap = p->wrap;
+	params.nthreads = p->cmd->nthreads;
+	params.progress = cmd_progress_start(p->cmd, &bar);
+	rc = bake_ao(depth, &p->scale, 1, &params, &res, err);
+	cmd_progress_end(&bar);
+	p->has_ao = true;
+	return rc;
 }
 
 static bool
 derive_from_depth(struct pack *p, bool want_normal, bool want_ao)
 {
-	struct bake_image copy = BAKE_IMAGE_INIT;
+	struct bake_image depth = BAKE_IMAGE_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
-	const struct bake_image *depth;
-	struct bake_ao_params params = p->o->ao;
-	struct bake_ao_result res = { &p->ao.img, NULL, NULL };
-	struct cmd_progress bar;
-	enum bake_status rc = BAKE_ENOMEM;
+	bool ok = copy_depth(p, &depth);
 
-	depth = depth_of(p, &copy, &err);
-	if (depth != NULL)
-		rc = BAKE_OK;
-	if (rc == BAKE_OK && want_normal) {
-		rc = bake_normal_from_depth(depth, p->scale, p->wrap,
-		    p->o->slope, p->cmd->nthreads, &p->normal.img, &err);
-		if (rc == BAKE_OK)
-			bake_normal_encode(&p->normal.img, false);
-		p->normal_y = BAKE_NORMAL_Y_UP;
-		p->has_normal = true;
-	}
-	if (rc == BAKE_OK && want_ao) {
-		params.wrap = p->wrap;
-		params.nthreads = p->cmd->nthreads;
-		params.progress = cmd_progress_start(p->cmd, &bar);
-		rc = bake_ao(depth, &p->scale, 1, &params, &res, &err);
-		cmd_progress_end(&bar);
-		p->has_ao = true;
-	}
-	bake_image_free(&copy);
-	return rc == BAKE_OK || failed(p, p->relief.path, &err);
+	if (ok && want_normal)
+		ok = bake_normals(p, &depth, &err) == BAKE_OK ||
+		    failed(p, p->relief.path, &err);
+	if (ok && want_ao)
+		ok = bake_occlusion(p, &depth, &err) == BAKE_OK ||
+		    failed(p, p->relief.path, &err);
+	bake_image_free(&depth);
+	return ok;
 }
 
 static bool

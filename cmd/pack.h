@@ -12,7 +12,7 @@ struct pack_opts {
 	const struct bake_target *target;
 	int width, height;  /* 0: the depth's, else the normal's */
 	double depth_scale; /* 0: the files', else the default */
-	bool no_ao, no_check, exr_names, renormalize;
+	bool no_ao, no_check, exr_names, renormalize, dequantize;
 	enum bake_slope_op slope;
 	double damping; /* of the integration; below 0: by the normals */
 	struct bake_ao_params ao;
@@ -32,6 +32,7 @@ bool pack_set(struct cmd *cmd, const struct pack_opts *o,
 /* Take a packed texture apart; an output that is NULL is not written. */
 struct unpack_outputs {
 	const char *normal, *ao, *depth;
+	bool height; /* write depth as height */
 };
 bool unpack_file(struct cmd *cmd, const char *in,
     const struct unpack_outputs *out);

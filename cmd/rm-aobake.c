@@ -6,7 +6,6 @@
 #include "ao.h"
 #include "cmd.h"
 #include "cmd_image.h"
-#include "dequantize.h"
 
 enum {
 	KEY_BENT = CMD_KEY_TOOL,
@@ -41,7 +40,7 @@ static const struct cmd_option options[] = {
 	{ KEY_HORIZONS, "horizons", "FILE",
 	    "also write tan of the horizon angles, an EXR channel each" },
 	{ KEY_IN_PLACE, "in-place-channel", "NAME",
-	    "rewrite this channel (B) of the packed input" },
+	    "rewrite this channel (B) of a packed input, with -o or in its place" },
 	{ KEY_NO_BLUR, "no-blur", NULL, "no low-pass" },
 	{ KEY_PERIODS, "periods", "N",
 	    "reach in periods of the texture, 1 to 64 (default 1)" },
@@ -127,35 +126,6 @@ set_option(struct cmd *cmd, int key, const char *arg)
 	default:
 		return set_choice(cmd, o, key, arg);
 	}
-}
-
-/* 8-bit depth makes false horizons on gentle slopes: smooth it, or say so. */
-static bool
-handle_quantisation(struct cmd *cmd, const struct opts *o, struct cmd_map *map,
-    double scale, struct bake_wrap wrap)
-{
-	struct bake_err err = BAKE_ERR_INIT;
-	int max = (1 << (map->info.bits < 8 ? map->info.bits : 8)) - 1;
-	double step, share;
-
-	if (map->info.data_format != BAKE_DATA_UINT8)
-		return true;
-	if (o->dequantize) {
-		if (bake_dequantize(&map->img, max, wrap, cmd->nthreads,
-			&err) == BAKE_OK)
-			return true;
-		cmd_error(cmd, "%s: %s", map->path, err.msg);
-		return false;
-	}
-	bake_quantization_matters(&map->img, max, scale, &step, &share);
-	if (step * share > 0.02)
-		cmd_warn(cmd,
-		    "%s: %d-bit depth makes steps of %.2g texels at %.0f %% "
-		    "of the texels, which darken the AO; use a 16-bit map or "
-		    "--dequantize",
-		    map->path, map->info.bits < 8 ? map->info.bits : 8, step,
-		    100 * share);
-	return true;
 }
 
 /* The file for scale k of several: with the scale's value before the
@@ -267,10 +237,10 @@ write_results(struct cmd *cmd, const struct opts *o, const char *in,
 	meta.has_wrap = true;
 	meta.wrap = wrap;
 	for (int k = 0; ok && k < o->nscales; k++) {
-		char *path = cmd_output_path(cmd, in, "");
+		char *path = cmd->output == NULL && cmd->output_dir == NULL
+		    ? cmd_path_derive(in, NULL, "", NULL)
+		    : cmd_output_path(cmd, in, "");
 
-		if (path == NULL)
-			return false;
 		add_scale_suffix(&path, o->scale[k], o->nscales);
 		meta.depth_scale = o->scale[k];
 		if (o->in_place != NULL)
@@ -321,7 +291,9 @@ bake_file(struct cmd *cmd, const struct opts *given, const char *in)
 	struct bake_wrap wrap;
 	bool ok;
 
-	if (!cmd_read_channel(cmd, in, o.channel, &map))
+	if (!cmd_read_channel(cmd, in,
+		o.channel == NULL && o.in_place != NULL ? "A" : o.channel,
+		&map))
 		return false;
 	wrap = cmd_wrap(cmd, &map);
 	if (o.nscales == 0) {
@@ -330,7 +302,8 @@ bake_file(struct cmd *cmd, const struct opts *given, const char *in)
 						      : 0.1;
 	}
 	cmd_to_depth(cmd, &map);
-	ok = handle_quantisation(cmd, &o, &map, o.scale[0], wrap) &&
+	ok = cmd_smooth_steps(cmd, &map, &map.img, o.scale[0], wrap,
+		 o.dequantize) &&
 	    bake(cmd, &o, &map, wrap, &res) &&
 	    write_results(cmd, &o, in, &map, &res, wrap);
 	for (int k = 0; k < o.nscales; k++) {
@@ -348,8 +321,19 @@ run(struct cmd *cmd, const struct opts *o)
 	int status = CMD_EXIT_OK;
 	int n = cmd->operands.n;
 
-	if (!cmd_inputs_fit(cmd, n))
+	/* in place means over the input where no output is given */
+	if (!(o->in_place != NULL && n > 0 && cmd->output == NULL &&
+		o->nscales < 2) &&
+	    !cmd_inputs_fit(cmd, n))
 		return CMD_EXIT_USAGE;
+	if (o->nscales > 1 && cmd->output != NULL &&
+	    strcmp(cmd->output, "-") == 0) {
+		cmd_usage_error(cmd,
+		    "%d depth scales make %d files, which standard output "
+		    "cannot hold",
+		    o->nscales, o->nscales);
+		return CMD_EXIT_USAGE;
+	}
 	if (n > 1 && (o->bent != NULL || o->horizons != NULL)) {
 		cmd_usage_error(cmd,
 		    "--bent-normal and --horizons take one input");

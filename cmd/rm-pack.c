@@ -13,11 +13,13 @@ enum {
 	KEY_DEPTH,
 	KEY_DEPTH_CHANNEL,
 	KEY_DEPTH_OUT,
+	KEY_DEQUANTIZE,
 	KEY_EXR_NAMES,
 	KEY_LIST_TARGETS,
 	KEY_NO_CHECK,
 	KEY_NORMAL,
 	KEY_NORMAL_OUT,
+	KEY_OUTPUT_HEIGHT,
 	KEY_QUALITY,
 	KEY_RENORMALIZE,
 	KEY_SIZE,
@@ -41,6 +43,8 @@ static const struct cmd_option options[] = {
 	    "with --unpack: write the depth" },
 	{ 's', "depth-scale", "S",
 	    "depth range / texture width (default 0.1 or the file's)" },
+	{ KEY_DEQUANTIZE, "dequantize", NULL,
+	    "smooth 8-bit depth within half a code for what is derived" },
 	{ KEY_EXR_NAMES, "exr-names", NULL,
 	    "EXR channels normal.x normal.y ao depth, not RGBA" },
 	{ KEY_LIST_TARGETS, "list-targets", NULL,
@@ -51,6 +55,8 @@ static const struct cmd_option options[] = {
 	    "normal map; default: derived from the depth" },
 	{ KEY_NORMAL_OUT, "normal-out", "FILE",
 	    "with --unpack: write the normals" },
+	{ KEY_OUTPUT_HEIGHT, "output-height", NULL,
+	    "with --unpack: write height, white is high, not depth" },
 	{ KEY_QUALITY, "quality", "NAME",
 	    "of a baked AO: exact (default), fast or preview" },
 	{ KEY_RENORMALIZE, "renormalize", NULL,
@@ -143,6 +149,9 @@ set_option(struct cmd *cmd, int key, const char *arg)
 	case KEY_DEPTH_OUT:
 		o->out.depth = arg;
 		return true;
+	case KEY_DEQUANTIZE:
+		o->pack.dequantize = true;
+		return true;
 	case KEY_EXR_NAMES:
 		o->pack.exr_names = true;
 		return true;
@@ -157,6 +166,9 @@ set_option(struct cmd *cmd, int key, const char *arg)
 		return true;
 	case KEY_NORMAL_OUT:
 		o->out.normal = arg;
+		return true;
+	case KEY_OUTPUT_HEIGHT:
+		o->out.height = true;
 		return true;
 	case KEY_RENORMALIZE:
 		o->pack.renormalize = true;
@@ -198,6 +210,12 @@ sets_are_clear(const struct cmd *cmd, const struct opts *o, int n)
 		return cmd_usage_error(cmd,
 		    "%d normals, %d depths and %d AOs do not pair",
 		    o->normals.n, o->depths.n, o->aos.n);
+	if (cmd->output != NULL && strcmp(cmd->output, "-") == 0 &&
+	    o->pack.target->nfiles > 1)
+		return cmd_usage_error(cmd,
+		    "target %s writes %d files, which standard output cannot "
+		    "hold",
+		    o->pack.target->name, o->pack.target->nfiles);
 	if (o->out.normal != NULL || o->out.ao != NULL || o->out.depth != NULL)
 		return cmd_usage_error(cmd,
 		    "--normal-out, --ao-out and --depth-out go with --unpack");

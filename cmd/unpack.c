@@ -132,10 +132,11 @@ unpack_file(struct cmd *cmd, const char *in, const struct unpack_outputs *out)
 	meta.layout = BAKE_LAYOUT_AO;
 	if (ok && out->ao != NULL)
 		ok = write_plane(&p, 2, out->ao, meta, false);
-	meta.polarity = BAKE_POLARITY_DEPTH;
+	meta.polarity = out->height ? BAKE_POLARITY_HEIGHT
+				    : BAKE_POLARITY_DEPTH;
 	meta.layout = BAKE_LAYOUT_DEPTH;
 	if (ok && out->depth != NULL)
-		ok = write_plane(&p, 3, out->depth, meta, height);
+		ok = write_plane(&p, 3, out->depth, meta, height != out->height);
 	cmd_map_free(&p.map);
 	return ok;
 }

@@ -1,0 +1,26 @@
+/* libbake: the textures of relief rendering, baked. All its headers. */
+/* SPDX-License-Identifier: MIT */
+#ifndef BAKE_H
+#define BAKE_H
+
+#include "ao.h"
+#include "attrs.h"
+#include "codes.h"
+#include "compare.h"
+#include "conventions.h"
+#include "dequantize.h"
+#include "detect.h"
+#include "err.h"
+#include "image.h"
+#include "inspect.h"
+#include "integrate.h"
+#include "io_image.h"
+#include "mem.h"
+#include "normal.h"
+#include "output.h"
+#include "parallel.h"
+#include "relief.h"
+#include "repair.h"
+#include "resample.h"
+
+#endif
