@@ -87,6 +87,7 @@ struct cmd {
 	double depth_near, depth_far; /* --depth-range NEAR,FAR */
 	struct cmd_list read;         /* files read, for the depfile */
 	struct cmd_list written;
+	struct cmd_list warnings;	      /* held back */
 };
 
 /*
@@ -113,14 +114,21 @@ bool cmd_parse(struct cmd *cmd, const struct cmd_tool *tool, int argc,
  * (failing where that fails), free all; returns the final exit status. */
 int cmd_finish(struct cmd *cmd, int status);
 
-/* One line on stderr: 'rm-tool: …'. cmd_warn is silent with --quiet, cmd_note
- * without --verbose. Control characters are replaced. */
-void cmd_error(const struct cmd *cmd, const char *fmt, ...)
+/*
+ * One line on stderr: 'rm-tool: …'; control characters are replaced. cmd_warn
+ * is silent with --quiet, cmd_note without --verbose.
+ *
+ * Warnings are held back until cmd_flush_warnings, which cmd_write and
+ * cmd_finish call: a file that fails after all is reported by its error alone,
+ * which drops what was held.
+ */
+void cmd_error(struct cmd *cmd, const char *fmt, ...)
     __attribute__((format(printf, 2, 3)));
-void cmd_warn(const struct cmd *cmd, const char *fmt, ...)
+void cmd_warn(struct cmd *cmd, const char *fmt, ...)
     __attribute__((format(printf, 2, 3)));
 void cmd_note(const struct cmd *cmd, const char *fmt, ...)
     __attribute__((format(printf, 2, 3)));
+void cmd_flush_warnings(struct cmd *cmd);
 /* The reason, then the usage line; returns false, so that a setter can
  * return it. */
 bool cmd_usage_error(const struct cmd *cmd, const char *fmt, ...)

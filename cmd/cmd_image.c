@@ -2,12 +2,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "cmd_image.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "dequantize.h"
+#include "inspect.h"
 #include "output.h"
 #include "repair.h"
 
@@ -18,7 +18,7 @@ cmd_map_free(struct cmd_map *map)
 }
 
 static void
-print_failure(const struct cmd *cmd, const struct bake_err *err)
+print_failure(struct cmd *cmd, const struct bake_err *err)
 {
 	const char *way_out = "";
 
@@ -29,7 +29,7 @@ print_failure(const struct cmd *cmd, const struct bake_err *err)
 
 /* What is in the file but is not used. */
 static void
-warn_unused(const struct cmd *cmd, const char *path,
+warn_unused(struct cmd *cmd, const char *path,
     const struct bake_image_info *info)
 {
 	if (info->nsubimages > 1)
@@ -160,45 +160,6 @@ cmd_packed_channels(const struct bake_image_info *info, int channel[4])
 	    channel[3] >= 0;
 }
 
-/* Whether R, G and B are one picture, within what JPEG makes of a grey one. */
-static bool
-is_grey(const struct bake_image *img)
-{
-	size_t coloured = 0;
-
-	for (int y = 0; y < img->height; y++) {
-		const float *t = bake_image_row(img, y);
-
-		for (int x = 0; x < img->width; x++, t += img->nchans)
-			coloured += fabsf(t[0] - t[1]) > 0.02f ||
-			    fabsf(t[1] - t[2]) > 0.02f;
-	}
-	return coloured * 100 <= (size_t)img->width * (size_t)img->height;
-}
-
-/* Whether four channels that are not grey look like a packed texture: A is no
- * constant, and (R, G) lies in the unit disc nearly everywhere. */
-static bool
-looks_packed(const struct bake_image *img)
-{
-	size_t n = 0, outside = 0;
-	float lo = img->data[3], hi = img->data[3];
-
-	for (int y = 0; y < img->height; y++) {
-		const float *t = bake_image_row(img, y);
-
-		for (int x = 0; x < img->width; x++, t += img->nchans) {
-			float nx = 2 * t[0] - 1, ny = 2 * t[1] - 1;
-
-			n++;
-			outside += !(nx * nx + ny * ny <= 1.02f);
-			lo = t[3] < lo ? t[3] : lo;
-			hi = t[3] > hi ? t[3] : hi;
-		}
-	}
-	return lo < hi && outside * 1000 <= n;
-}
-
 /* The channel whose name says that it is a relief; -1 where none does. */
 static int
 relief_by_name(const struct bake_image_info *info)
@@ -254,29 +215,45 @@ keep_channel(struct cmd *cmd, struct cmd_map *map, int chan)
 	return true;
 }
 
-/* Three or four channels that nothing says anything about. */
+/* What the texels say of three or four channels that nothing else tells of. */
+static enum bake_layout
+guess_layout(struct cmd *cmd, const struct cmd_map *map)
+{
+	struct bake_err err = BAKE_ERR_INIT;
+	enum bake_layout layout = BAKE_LAYOUT_UNKNOWN;
+	int rgba[4] = { 0, 1, 2, 3 };
+
+	cmd_packed_channels(&map->info, rgba);
+	if (bake_layout_guess(&map->img, rgba, BAKE_NORMAL_CODE_UNSIGNED,
+		&layout, &err) != BAKE_OK)
+		cmd_warn(cmd, "%s: %s", map->path, err.msg);
+	return layout;
+}
+
 static bool
 read_unknown(struct cmd *cmd, struct bake_reader *reader, struct cmd_map *map)
 {
-	bool packed, grey;
+	enum bake_layout layout;
+	int rgba[4] = { 0, 1, 2, 3 };
+	bool packed;
 
 	if (!read_channels(cmd, reader, 0, map->info.nchans, map))
 		return false;
-	grey = is_grey(&map->img);
-	packed = map->img.nchans == 4 && !grey && looks_packed(&map->img);
-	if (packed) {
-		map->meta.layout = BAKE_LAYOUT_RELIEF;
+	layout = guess_layout(cmd, map);
+	packed = layout == BAKE_LAYOUT_RELIEF ||
+	    layout == BAKE_LAYOUT_NORMAL_RELIEF;
+	if (packed)
 		cmd_warn(cmd,
 		    "%s: read as a packed texture, with the relief in A; "
 		    "--channel R reads R",
 		    map->path);
-	} else if (!grey) {
+	else if (layout != BAKE_LAYOUT_DEPTH)
 		cmd_warn(cmd,
 		    "%s: its channels differ, as those of a colour or a normal "
 		    "map do; R is read as the relief",
 		    map->path);
-	}
-	return keep_channel(cmd, map, packed ? 3 : 0);
+	cmd_packed_channels(&map->info, rgba);
+	return keep_channel(cmd, map, rgba[packed ? 3 : 0]);
 }
 
 bool
@@ -486,6 +463,7 @@ cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
 		    "%s: %zu values outside 0 to 1 were clipped; -d float "
 		    "keeps them",
 		    path, nclipped);
+	cmd_flush_warnings(cmd);
 	cmd_list_add(&cmd->written, path);
 	return true;
 }

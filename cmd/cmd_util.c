@@ -10,40 +10,58 @@
 #include "cmd.h"
 #include "output.h"
 
-/* One line on stderr, with no control character from a file's name in it. */
+/* One line, with no control character from a file's name in it. */
+static void
+put_line(const struct cmd *cmd, const char *line)
+{
+	fprintf(cmd->err, "%s: ", cmd->tool->name);
+	for (; *line != '\0'; line++)
+		putc((unsigned char)*line < ' ' || *line == 0x7f ? '?' : *line,
+		    cmd->err);
+	putc('\n', cmd->err);
+	fflush(cmd->err);
+}
+
 static void
 message(const struct cmd *cmd, const char *fmt, va_list ap)
 {
 	char text[2 * BAKE_ERR_MSG];
 
 	vsnprintf(text, sizeof text, fmt, ap);
-	for (char *p = text; *p != '\0'; p++)
-		if ((unsigned char)*p < ' ' || *p == 0x7f)
-			*p = '?';
-	fprintf(cmd->err, "%s: %s\n", cmd->tool->name, text);
-	fflush(cmd->err);
+	put_line(cmd, text);
 }
 
 void
-cmd_error(const struct cmd *cmd, const char *fmt, ...)
+cmd_error(struct cmd *cmd, const char *fmt, ...)
 {
 	va_list ap;
 
+	cmd_list_free(&cmd->warnings);
 	va_start(ap, fmt);
 	message(cmd, fmt, ap);
 	va_end(ap);
 }
 
 void
-cmd_warn(const struct cmd *cmd, const char *fmt, ...)
+cmd_warn(struct cmd *cmd, const char *fmt, ...)
 {
+	char text[2 * BAKE_ERR_MSG];
 	va_list ap;
 
 	if (cmd->quiet)
 		return;
 	va_start(ap, fmt);
-	message(cmd, fmt, ap);
+	vsnprintf(text, sizeof text, fmt, ap);
 	va_end(ap);
+	cmd_list_add(&cmd->warnings, text);
+}
+
+void
+cmd_flush_warnings(struct cmd *cmd)
+{
+	for (int i = 0; i < cmd->warnings.n; i++)
+		put_line(cmd, cmd->warnings.item[i]);
+	cmd_list_free(&cmd->warnings);
 }
 
 void
@@ -231,7 +249,7 @@ seen_before(const struct cmd_list *list, int i)
 }
 
 static bool
-write_depfile(const struct cmd *cmd)
+write_depfile(struct cmd *cmd)
 {
 	struct bake_output out = BAKE_OUTPUT_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
@@ -271,6 +289,7 @@ write_depfile(const struct cmd *cmd)
 int
 cmd_finish(struct cmd *cmd, int status)
 {
+	cmd_flush_warnings(cmd);
 	if (status == CMD_EXIT_OK && cmd->depfile != NULL &&
 	    cmd->written.n > 0 && !write_depfile(cmd))
 		status = CMD_EXIT_FAIL;

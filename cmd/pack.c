@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "detect.h"
+#include "inspect.h"
 #include "integrate.h"
 #include "resample.h"
 
@@ -27,6 +27,8 @@ struct pack {
 	double scale;
 };
 
+static const double default_scale = 0.1;
+
 static bool
 failed(const struct pack *p, const char *path, const struct bake_err *err)
 {
@@ -34,9 +36,9 @@ failed(const struct pack *p, const char *path, const struct bake_err *err)
 	return false;
 }
 
-/* Signed components with y up, from the normals as stored. */
+/* Signed components with y as stored, or up. */
 static enum bake_status
-signed_normals(const struct pack *p, struct bake_image *out,
+signed_normals(const struct pack *p, bool y_up, struct bake_image *out,
     struct bake_err *err)
 {
 	const struct bake_image *in = &p->normal.img;
@@ -48,7 +50,7 @@ signed_normals(const struct pack *p, struct bake_image *out,
 	for (int c = 0; c < 3; c++)
 		bake_image_copy_channel(out, c, in, c);
 	bake_normal_decode(out, BAKE_NORMAL_CODE_UNSIGNED,
-	    p->normal_y == BAKE_NORMAL_Y_DOWN);
+	    y_up && p->normal_y == BAKE_NORMAL_Y_DOWN);
 	return BAKE_OK;
 }
 
@@ -172,62 +174,39 @@ read_maps(struct pack *p, const struct pack_inputs *in)
 
 /* -- agreement ---------------------------------------------------------- */
 
-static void
-warn_depth_scale(const struct pack *p, const struct bake_detection *d)
-{
-	double scale = p->scale > 0 ? p->scale : 0.1;
-
-	if (!(d->depth_scale > 0) ||
-	    (scale < 1.5 * d->depth_scale_high &&
-		scale * 1.5 > d->depth_scale_low))
-		return;
-	cmd_warn(p->cmd,
-	    "%s: the normals imply a depth scale of %.3g, %s is %.3g; -s %.3g "
-	    "makes depth and AO agree with them",
-	    p->normal.path, d->depth_scale,
-	    p->o->depth_scale > 0 ? "-s" : "the one taken", scale,
-	    d->depth_scale);
-}
-
 /* Warn where the maps contradict what was said of them. */
 static bool
 check_agreement(struct pack *p)
 {
-	struct bake_image n = BAKE_IMAGE_INIT;
+	struct bake_maps maps = BAKE_MAPS_INIT;
+	struct bake_inspection found = { .layout = BAKE_LAYOUT_UNKNOWN };
+	struct bake_contradictions bad;
+	struct bake_relief_meta said = BAKE_RELIEF_META_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
-	struct bake_detection d;
-	bool same_size = p->has_relief &&
-	    p->relief.img.width == p->normal.img.width &&
-	    p->relief.img.height == p->normal.img.height;
 	enum bake_status rc;
 
 	if (!p->has_normal || p->o->no_check || p->cmd->quiet)
 		return true;
-	rc = signed_normals(p, &n, &err);
+	said.normal_y = p->normal_y;
+	said.polarity = p->polarity;
+	said.depth_scale = p->scale > 0 ? p->scale : default_scale;
+	rc = signed_normals(p, false, &maps.normal, &err);
+	if (p->has_relief)
+		maps.relief = p->relief.img; /* a view */
 	if (rc == BAKE_OK)
-		rc = bake_detect(&n, same_size ? &p->relief.img : NULL, &d,
-		    &err);
-	bake_image_free(&n);
+		rc = bake_inspect_maps(&found, &maps, p->wrap, &err);
+	bake_image_free(&maps.normal);
 	if (rc != BAKE_OK)
 		return failed(p, p->normal.path, &err);
-	/* signed_normals turned y up: a map that was declared rightly says up
-	 */
-	if (d.normal_y == BAKE_NORMAL_Y_DOWN)
+	bake_contradictions_find(&bad, &found, &said);
+	for (int i = 0; i < bad.n; i++)
+		cmd_warn(p->cmd, "%s%s%s: %s", p->normal.path,
+		    p->has_relief ? " + " : "",
+		    p->has_relief ? p->relief.path : "", bad.text[i]);
+	if (bad.n > 0)
 		cmd_warn(p->cmd,
-		    "%s: the map says that its normal y points %s, it is read "
-		    "as %s; --normal-y says which",
-		    p->normal.path,
-		    p->normal_y == BAKE_NORMAL_Y_UP ? "down" : "up",
-		    bake_normal_y_name(p->normal_y));
-	if (d.polarity != BAKE_POLARITY_UNSURE && d.polarity != p->polarity)
-		cmd_warn(p->cmd,
-		    "%s: the maps say that it holds %s, it is read as %s%s",
-		    p->relief.path, bake_polarity_name(d.polarity),
-		    bake_polarity_name(p->polarity),
-		    d.polarity == BAKE_POLARITY_HEIGHT ? "; --height says so"
-						       : "");
-	if (same_size && d.polarity == p->polarity)
-		warn_depth_scale(p, &d);
+		    "%s: --height, --normal-y and -s say what the maps are",
+		    p->normal.path);
 	return true;
 }
 
@@ -299,7 +278,7 @@ integrate(struct pack *p, struct bake_err *err)
 	struct bake_integrate_params params = { p->wrap, p->o->slope,
 		p->o->damping, p->cmd->nthreads };
 	struct bake_image n = BAKE_IMAGE_INIT;
-	enum bake_status rc = signed_normals(p, &n, err);
+	enum bake_status rc = signed_normals(p, true, &n, err);
 
 	if (params.damping < 0)
 		params.damping = 0;
@@ -440,7 +419,7 @@ derive_missing(struct pack *p)
 	if (!p->has_relief && !derive_relief(p))
 		return false;
 	if (p->scale == 0)
-		p->scale = 0.1;
+		p->scale = default_scale;
 	if ((!p->has_normal || want_ao) &&
 	    !derive_from_depth(p, !p->has_normal, want_ao))
 		return false;

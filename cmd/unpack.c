@@ -98,8 +98,8 @@ look_at_packed(struct packed *p, bool want_ao)
 
 	if (!cmd_packed_channels(&m->info, p->channel)) {
 		cmd_error(p->cmd,
-		    "%s: has %d channels, a packed texture has 4", m->path,
-		    m->info.nchans);
+		    "%s: has %d channel%s, a packed texture has 4", m->path,
+		    m->info.nchans, m->info.nchans == 1 ? "" : "s");
 		return false;
 	}
 	p->has_ao = m->meta.layout != BAKE_LAYOUT_NORMAL_RELIEF;
