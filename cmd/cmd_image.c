@@ -160,9 +160,8 @@ cmd_packed_channels(const struct bake_image_info *info, int channel[4])
 	    channel[3] >= 0;
 }
 
-/* The channel whose name says that it is a relief; -1 where none does. */
-static int
-relief_by_name(const struct bake_image_info *info)
+int
+cmd_relief_channel(const struct bake_image_info *info)
 {
 	static const char *const names[] = { "depth", "height", "depth.Z",
 		"displacement", "Z" };
@@ -182,7 +181,7 @@ relief_by_info(const struct bake_image_info *info,
 {
 	/* a picture this large is not read whole for a warning's sake */
 	const long large = 1L << 26;
-	int packed[4], named = relief_by_name(info);
+	int packed[4], named = cmd_relief_channel(info);
 
 	if (named >= 0)
 		return named;

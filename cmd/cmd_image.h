@@ -42,6 +42,10 @@ bool cmd_read_channel(struct cmd *cmd, const char *path, const char *chan,
  * 0); -1 where there is none. */
 int cmd_channel_index(const struct bake_image_info *info, const char *name);
 
+/* The channel whose name says that it is a relief (depth, height, Z …); -1
+ * where none does. */
+int cmd_relief_channel(const struct bake_image_info *info);
+
 /* The channels of a packed texture in R G B A order, whatever their names and
  * order in the file; false where there are fewer than four. */
 bool cmd_packed_channels(const struct bake_image_info *info, int channel[4]);

@@ -1,4 +1,4 @@
-/* Ambient occlusion of a height field from its horizons. */
+/* Ambient occlusion, bent normals and horizons of a height field. */
 /* SPDX-License-Identifier: MIT */
 #ifndef BAKE_AO_H
 #define BAKE_AO_H
@@ -10,45 +10,136 @@
 extern "C" {
 #endif
 
+/* How the horizons of a texel become one number; r_j = cos e_j. */
 enum bake_ao_estimator {
 	BAKE_AO_POLYGON, /* psa / regular n-gon: sum r_j r_(j+1) / n */
-	BAKE_AO_MEAN	 /* sum r_j^2 / n */
+	BAKE_AO_MEAN     /* sum r_j^2 / n */
 };
 
+/*
+ * How far every sample of a ray is looked at. Exact: all of it. Fast and
+ * preview: the first 32 (16) steps as exact does; beyond, segments whose
+ * length grows with the distance, each represented by its highest sample at
+ * one distance (see bake_ao). Fast is off by 2e-4 to 2e-3 on average, below
+ * the error of 50 directions themselves.
+ */
 enum bake_ao_quality { BAKE_AO_EXACT, BAKE_AO_FAST, BAKE_AO_PREVIEW };
 
+/* The low-pass filter; each replaces only texels with a horizon above 0. */
 enum bake_ao_blur {
 	BAKE_AO_BLUR_NONE,
 	BAKE_AO_BLUR_PAPER,   /* Gaussian mean of all, at occluded texels */
 	BAKE_AO_BLUR_OCCLUDED /* Gaussian mean of occluded texels, there */
 };
 
+enum {
+	BAKE_AO_DIRS_MIN = 3,
+	BAKE_AO_DIRS_MAX = 1024,
+	BAKE_AO_PERIODS_MAX = 64,     /* also the radius, texture widths */
+	BAKE_AO_BLUR_SIGMA_MAX = 256, /* texels */
+	BAKE_AO_SCALES_MAX = 64
+};
+#define BAKE_AO_SCALE_MAX 1e6 /* texture widths */
+
 struct bake_ao_params {
-	int ndirs;	/* directions phi_j = 2 pi j / ndirs, 3 .. 1024 */
-	double radius;	/* reach in texture widths; 0: by periods */
-	int periods;	/* reach in periods of the ray's major axis, >= 1 */
+	int ndirs;     /* n, directions phi_j = 2 pi j / n, 3 .. 1024 */
+	double radius; /* reach in texture widths, <= 64; 0: by periods */
+	int periods;   /* reach in periods of the major axis, 1 .. 64 */
 	struct bake_wrap wrap;
 	enum bake_ao_estimator estimator;
 	enum bake_ao_quality quality;
 	enum bake_ao_blur blur;
-	double blur_sigma; /* texels */
-	int nthreads;	   /* 0 = all processors */
+	double blur_sigma; /* texels, 0 .. 256; 0 is no blur */
+	int nthreads;      /* 0 = all processors */
 	struct bake_progress progress;
 };
 #define BAKE_AO_PARAMS_DEFAULT                                                 \
 	{                                                                      \
-		50, 0, 1, { false, false }, BAKE_AO_POLYGON, BAKE_AO_EXACT,    \
-		    BAKE_AO_BLUR_PAPER, 1.0, 0, { NULL, NULL }                 \
+		50, 0, 1, {false, false}, BAKE_AO_POLYGON, BAKE_AO_EXACT,      \
+		    BAKE_AO_BLUR_PAPER, 1.0, 0,                                \
+		{                                                              \
+			NULL, NULL                                             \
+		}                                                              \
 	}
 
-/* Where the results go; each image is BAKE_IMAGE_INIT before and belongs to
- * the caller after success. bent and horizons may be NULL: not wanted. */
+/*
+ * Where the results go: arrays of nscales images, each BAKE_IMAGE_INIT before
+ * and the caller's after success, all of the depth's size, row 0 at the top.
+ * bent and horizons may be NULL: not wanted.
+ */
 struct bake_ao_result {
-	struct bake_image *ao;	     /* [nscales], 1 channel, 0 .. 1 */
-	struct bake_image *bent;     /* [nscales], 3 channels, unit x y z, y up */
-	struct bake_image *horizons; /* [nscales], ndirs channels, tan e_j */
+	/* 1 channel, 0 (closed) .. 1 (open) */
+	struct bake_image *ao;
+	/* 3 channels: unit vector x y z, y up (towards row 0), z out of the
+	 * surface, never blurred */
+	struct bake_image *bent;
+	/* ndirs channels: tan e_j, 0 .. 1e18, never blurred */
+	struct bake_image *horizons;
 };
 
+/*
+ * Ambient occlusion of a depth map, for several depth scales at once.
+ *
+ * The surface has height h = (1 - depth) S, S = scale in texture widths, at
+ * texels 1/W apart in both directions (W, H: width and height of the map).
+ * From texel t, direction phi_j = 2 pi j / n runs along (cos phi_j,
+ * sin phi_j) with y up, towards row 0: phi = 0 is right, pi/2 the top of the
+ * picture. |cos| or |sin| below 1e-12 count as 0. The ray advances one texel
+ * a step on its major axis (x where |cos| >= |sin|): step k = 1 .. K is at
+ * major offset +-k and minor offset k m (m = minor / |major|), where the
+ * height is interpolated linearly between the two texels of the minor axis,
+ * at distance k sqrt(1 + m^2) texels. Then
+ *     tan e_j = S W max(0, max_k (h_k - h_t) / dist_k),   h = 1 - depth
+ *     r_j = cos e_j = 1 / sqrt(1 + tan^2 e_j)
+ *     polygon: ao = sum_j r_j r_(j+1) / n     mean: ao = sum_j r_j^2 / n
+ * The polygon is psa_i of the paper, sum_j r_j r_(j+1) sin(2 pi / n) / 2,
+ * over the area of the regular n-gon instead of pi, so that a plane is
+ * exactly 1. The bent normal is the cosine-weighted mean of the unoccluded
+ * directions, normalised:
+ *     (x, y) = sum_j cos^3 e_j (cos phi_j, sin phi_j) / 3
+ *     z = sum_j (1 - sin^3 e_j) / 3
+ * exactly (0, 0, 1) on a plane.
+ *
+ * K is periods times W or H (of the major axis); with a radius R > 0, the
+ * largest k with dist_k <= R W. Beyond the border the map goes on as a torus,
+ * or, on a clamped axis, with its border texels repeated; the reach may be
+ * longer than the map.
+ *
+ * Fast and preview keep steps 1 .. 32 (16) and cut the rest into segments
+ * [k, k + L), see libbake/horizon_priv.h, whose highest sample is placed at
+ * one distance inside the segment.
+ *
+ * Blur: a Gaussian of blur_sigma texels, cut off at ceil(4 sigma), wrapped
+ * or clamped as the map. It replaces ao where some tan e_j > 0 (not: where
+ * ao < 1): by the mean of all texels (paper), or of those with a horizon
+ * alone, over their weights (occluded).
+ *
+ *   depth    1 channel, 0 = surface, 1 = deepest; not modified. Any finite
+ *            value is legal; magnitudes above 1e30 count as 1e30, below
+ *            1e-20 as 0, and a NaN as 0
+ *   scales   [nscales] S, 0 .. 1e6; all come from the same march
+ *   nscales  1 .. 64
+ *   params   see above
+ *   result   result->ao is not NULL
+ *   err      reason on failure; never NULL
+ *
+ * BAKE_EINVAL  a parameter out of its range, or depth without texels or with
+ *              other than 1 channel
+ * BAKE_ENOMEM  no memory; on any failure all result images are
+ *              BAKE_IMAGE_INIT
+ *
+ * Accuracy: exact is within 5e-6 of the formulas in real arithmetic up to
+ * S W = 256. Same bytes for every thread count and instruction set; on a
+ * torus a shifted map gives the shifted result, bit for bit.
+ *
+ * Memory beyond depth, with one scale and ao alone: see BAKE_AO_BYTES below.
+ *
+ * Reentrant. progress.report is called on the calling thread alone.
+ * Source: Limberger, Schetinger, Oliveira, "Meta-Relief Texture Mapping with
+ * Dynamic Texture-Space Ambient Occlusion", section IV.A; Max 1988 for
+ * horizons. The normalisation, the bent normal and the occluded blur are our
+ * own.
+ */
 BAKE_API enum bake_status bake_ao(const struct bake_image *depth,
     const double *scales, int nscales, const struct bake_ao_params *params,
     const struct bake_ao_result *result, struct bake_err *err);

@@ -39,7 +39,8 @@ set(struct bake_attrs *attrs, const char *name, const char *value, bool number)
 {
 	struct bake_attr *a = find(attrs, name);
 
-	if (!fits(name, sizeof a->name) || !fits(value, sizeof a->value))
+	if (!fits(name, sizeof a->name) || !fits(value, sizeof a->value) ||
+	    name[0] == '\0' || strchr(name, '=') != NULL)
 		return;
 	if (a == NULL) {
 		if (attrs->n == BAKE_ATTRS_MAX)
@@ -60,14 +61,18 @@ bake_attrs_set(struct bake_attrs *attrs, const char *name, const char *value)
 void
 bake_attrs_set_number(struct bake_attrs *attrs, const char *name, double value)
 {
-	char text[BAKE_ATTR_VALUE];
+	char text[BAKE_ATTR_VALUE], best[BAKE_ATTR_VALUE];
 
-	for (int digits = 1; digits <= 9; digits++) {
+	/* from 9 digits, which every float reads back from, to fewer; 10 is
+	 * shorter than 1e+01 */
+	snprintf(best, sizeof best, "%.9g", value);
+	for (int digits = 8; digits >= 1; digits--) {
 		snprintf(text, sizeof text, "%.*g", digits, value);
-		if (strtof(text, NULL) == (float)value)
-			break;
+		if (strtof(text, NULL) == (float)value &&
+		    strlen(text) <= strlen(best))
+			strcpy(best, text);
 	}
-	set(attrs, name, text, true);
+	set(attrs, name, best, true);
 }
 
 const char *

@@ -19,7 +19,10 @@ enum { BAKE_ATTRS_MAX = 16, BAKE_ATTR_NAME = 32, BAKE_ATTR_VALUE = 128 };
  * its own (a number as a float, where number is set); PNG, TIFF and TGA hold
  * all of them as one line of text, their ImageDescription:
  *     relief:Layout=relief; relief:DepthScale=0.1
- * A value has no ';' and no control character. Plain data.
+ * In TGA that line is broken into 4 of 80 characters, each with whole
+ * attributes; one that finds no room there is left out.
+ * A name is not empty and has no '='; neither has a ';' or a control character.
+ * Plain data.
  */
 struct bake_attr {
 	char name[BAKE_ATTR_NAME];
@@ -35,11 +38,11 @@ struct bake_attrs {
 BAKE_API void bake_attrs_clear(struct bake_attrs *attrs);
 
 /* Set an attribute, replacing one of the same name. What does not fit (more
- * than BAKE_ATTRS_MAX, or text too long) is left out. */
+ * than BAKE_ATTRS_MAX, text too long or of other characters) is left out. */
 BAKE_API void bake_attrs_set(
     struct bake_attrs *attrs, const char *name, const char *value);
-/* The same for a number: the shortest text that reads back as the same
- * float. */
+/* The same for a number: the shortest of printf's %.1g to %.9g that reads back
+ * as the same float. */
 BAKE_API void bake_attrs_set_number(
     struct bake_attrs *attrs, const char *name, double value);
 

@@ -51,21 +51,21 @@ measure_scales(struct detect_result result[DETECT_SCALES], int *n,
 	enum bake_status rc;
 
 	*n = 0;
-	if ((rc = detect_scale_load(&s, normal, relief, err)) != BAKE_OK)
+	if ((rc = bake_detect_scale_load(&s, normal, relief, err)) != BAKE_OK)
 		goto out;
 	while (*n < DETECT_SCALES && s.width >= DETECT_LEAST &&
 	       s.height >= DETECT_LEAST) {
-		rc = detect_scale_measure(&result[*n], &s, err);
+		rc = bake_detect_scale_measure(&result[*n], &s, err);
 		if (rc != BAKE_OK)
 			goto out;
 		(*n)++;
-		if ((rc = detect_scale_halve(&half, &s, err)) != BAKE_OK)
+		if ((rc = bake_detect_scale_halve(&half, &s, err)) != BAKE_OK)
 			goto out;
-		detect_scale_free(&s);
+		bake_detect_scale_free(&s);
 		s = half;
 	}
 out:
-	detect_scale_free(&s);
+	bake_detect_scale_free(&s);
 	return rc;
 }
 
@@ -91,6 +91,6 @@ bake_detect(const struct bake_image *normal, const struct bake_image *relief,
 	if (rc != BAKE_OK)
 		return rc;
 	out->plausible_normals = bake_normals_plausible(&stats, normal->nchans);
-	detect_decide(out, result, n, normal->width);
+	bake_detect_decide(out, result, n, normal->width);
 	return BAKE_OK;
 }

@@ -233,7 +233,7 @@ decide_scale(struct bake_detection *out, const struct detect_result *result,
 }
 
 void
-detect_decide(struct bake_detection *out, const struct detect_result *result,
+bake_detect_decide(struct bake_detection *out, const struct detect_result *result,
     int n, int width)
 {
 	decide_pair(out, result, n);

@@ -100,14 +100,14 @@ measure_pair(struct detect_result *out, struct detect_fields *fields,
 	convolve(fields->f[0], s->v, s, line, difference, binomial);
 	convolve(fields->f[1], s->v, s, line, binomial, difference);
 	negate(fields->f[1], fields); /* rows run down, y up */
-	out->gain_x = detect_measure(&out->x, fields, 0, 2, DETECT_CORR);
-	out->gain_y = detect_measure(&out->y, fields, 1, 3, DETECT_CORR);
-	detect_chance(&out->x, fields, 0, 2);
-	detect_chance(&out->y, fields, 1, 3);
+	out->gain_x = bake_detect_measure(&out->x, fields, 0, 2, DETECT_CORR);
+	out->gain_y = bake_detect_measure(&out->y, fields, 1, 3, DETECT_CORR);
+	bake_detect_chance(&out->x, fields, 0, 2);
+	bake_detect_chance(&out->y, fields, 1, 3);
 	out->straight = 0.5 * (square(out->x.value) + square(out->y.value));
-	detect_measure(&e, fields, 0, 3, DETECT_CORR);
+	bake_detect_measure(&e, fields, 0, 3, DETECT_CORR);
 	out->crossed = 0.5 * square(e.value);
-	detect_measure(&e, fields, 1, 2, DETECT_CORR);
+	bake_detect_measure(&e, fields, 1, 2, DETECT_CORR);
 	out->crossed += 0.5 * square(e.value);
 	out->x.scale = out->y.scale = s->texels;
 	out->gradient_energy = (out->gain_x.aa + out->gain_y.aa) /
@@ -127,19 +127,19 @@ measure_curl(struct detect_result *out, struct detect_fields *fields,
 	convolve(fields->f[1], s->q, s, line, difference, binomial);
 	convolve(fields->f[2], s->p, s, line, difference, binomial);
 	convolve(fields->f[3], s->q, s, line, binomial, difference);
-	curl = detect_measure(&out->curl, fields, 0, 1, DETECT_BALANCE);
-	detect_chance(&out->curl, fields, 0, 1);
+	curl = bake_detect_measure(&out->curl, fields, 0, 1, DETECT_BALANCE);
+	bake_detect_chance(&out->curl, fields, 0, 1);
 	out->curl.value = -out->curl.value;
 	out->curl.sigmas = -out->curl.sigmas;
 	out->curl.scale = s->texels;
-	twist = detect_measure(&e, fields, 2, 3, DETECT_BALANCE);
+	twist = bake_detect_measure(&e, fields, 2, 3, DETECT_BALANCE);
 	out->twist = fabs(e.value);
 	both = energy(curl, fields) + energy(twist, fields);
 	out->curl_energy = both > 0 ? energy(curl, fields) / both : 0;
 }
 
 enum bake_status
-detect_scale_measure(struct detect_result *out,
+bake_detect_scale_measure(struct detect_result *out,
     const struct detect_scale *scale, struct bake_err *err)
 {
 	struct detect_fields fields = {
@@ -162,7 +162,7 @@ detect_scale_measure(struct detect_result *out,
 		convolve(fields.f[2], scale->p, scale, line, simpson, binomial);
 		convolve(fields.f[3], scale->q, scale, line, binomial, simpson);
 		out->slope_energy = energy(
-		    detect_measure(&e, &fields, 2, 3, DETECT_CORR), &fields);
+		    bake_detect_measure(&e, &fields, 2, 3, DETECT_CORR), &fields);
 		if (scale->v != NULL)
 			measure_pair(out, &fields, scale, line);
 		measure_curl(out, &fields, scale, line);

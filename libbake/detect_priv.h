@@ -28,19 +28,19 @@ struct detect_scale {
 		0, 0, 0, NULL, NULL, NULL                                      \
 	}
 
-enum bake_status detect_scale_alloc(struct detect_scale *s, int width,
+enum bake_status bake_detect_scale_alloc(struct detect_scale *s, int width,
     int height, bool normals, bool relief, struct bake_err *err);
-void detect_scale_free(struct detect_scale *s);
+void bake_detect_scale_free(struct detect_scale *s);
 
 /* The finest scale of the maps: slopes of limited steepness; of a map with
  * more than DETECT_TEXELS, windows spread evenly. s is DETECT_SCALE_INIT. */
-enum bake_status detect_scale_load(struct detect_scale *s,
+enum bake_status bake_detect_scale_load(struct detect_scale *s,
     const struct bake_image *normal, const struct bake_image *relief,
     struct bake_err *err);
 
 /* coarse = fine low-passed and halved; missing where any of the 4x4 texels
  * that enter is. An odd last row or column is left out. */
-enum bake_status detect_scale_halve(struct detect_scale *coarse,
+enum bake_status bake_detect_scale_halve(struct detect_scale *coarse,
     const struct detect_scale *fine, struct bake_err *err);
 
 /* Sums of products of two fields a, b over one block. */
@@ -57,15 +57,15 @@ struct detect_fields {
 /* value of a pair of fields: correlation, or 2 ab / (aa + bb) */
 enum detect_kind { DETECT_CORR, DETECT_BALANCE };
 
-double detect_value(struct detect_sums s, enum detect_kind kind);
+double bake_detect_value(struct detect_sums s, enum detect_kind kind);
 
 /* Value, jackknife, block share of fields i and j; verdict and chance are
  * left 0 and 1. Returns the sums of all blocks. */
-struct detect_sums detect_measure(struct bake_evidence *ev,
+struct detect_sums bake_detect_measure(struct bake_evidence *ev,
     const struct detect_fields *fields, int i, int j, enum detect_kind kind);
 
 /* ev->chance: how often a shift of field j against i does as well. */
-void detect_chance(
+void bake_detect_chance(
     struct bake_evidence *ev, const struct detect_fields *fields, int i, int j);
 
 /*
@@ -82,11 +82,11 @@ struct detect_result {
 	double slope_energy, gradient_energy, curl_energy;
 };
 
-enum bake_status detect_scale_measure(struct detect_result *out,
+enum bake_status bake_detect_scale_measure(struct detect_result *out,
     const struct detect_scale *scale, struct bake_err *err);
 
 /* Conclude from n scales, finest first. width: of the map. */
-void detect_decide(struct bake_detection *out,
+void bake_detect_decide(struct bake_detection *out,
     const struct detect_result *result, int n, int width);
 
 #endif

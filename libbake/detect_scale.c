@@ -11,7 +11,7 @@
 static const float slope_max = 5.0f;
 
 enum bake_status
-detect_scale_alloc(struct detect_scale *s, int width, int height, bool normals,
+bake_detect_scale_alloc(struct detect_scale *s, int width, int height, bool normals,
     bool relief, struct bake_err *err)
 {
 	size_t n;
@@ -29,12 +29,12 @@ detect_scale_alloc(struct detect_scale *s, int width, int height, bool normals,
 		goto fail;
 	return BAKE_OK;
 fail:
-	detect_scale_free(s);
+	bake_detect_scale_free(s);
 	return BAKE_ENOMEM;
 }
 
 void
-detect_scale_free(struct detect_scale *s)
+bake_detect_scale_free(struct detect_scale *s)
 {
 	free(s->p);
 	free(s->q);
@@ -153,7 +153,7 @@ clear_row(struct detect_scale *s, int y)
 }
 
 enum bake_status
-detect_scale_load(struct detect_scale *s, const struct bake_image *normal,
+bake_detect_scale_load(struct detect_scale *s, const struct bake_image *normal,
     const struct bake_image *relief, struct bake_err *err)
 {
 	const struct bake_image *any = normal != NULL ? normal : relief;
@@ -161,7 +161,7 @@ detect_scale_load(struct detect_scale *s, const struct bake_image *normal,
 	enum bake_status rc;
 
 	choose_axes(&u, &v);
-	if ((rc = detect_scale_alloc(s, u.kept, v.kept, normal != NULL,
+	if ((rc = bake_detect_scale_alloc(s, u.kept, v.kept, normal != NULL,
 		 relief != NULL, err)) != BAKE_OK)
 		return rc;
 	s->texels = 1;
@@ -214,13 +214,13 @@ halve_plane(float *dst, const float *src, int width, int height, int src_width,
 }
 
 enum bake_status
-detect_scale_halve(struct detect_scale *coarse, const struct detect_scale *fine,
+bake_detect_scale_halve(struct detect_scale *coarse, const struct detect_scale *fine,
     struct bake_err *err)
 {
 	enum bake_status rc;
 	int w = fine->width / 2, h = fine->height / 2;
 
-	if ((rc = detect_scale_alloc(coarse, w, h, fine->p != NULL,
+	if ((rc = bake_detect_scale_alloc(coarse, w, h, fine->p != NULL,
 		 fine->v != NULL, err)) != BAKE_OK)
 		return rc;
 	coarse->texels = 2 * fine->texels;

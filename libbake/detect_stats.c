@@ -7,7 +7,7 @@
 enum { NBLOCKS = DETECT_GRID * DETECT_GRID, NSHIFTS = 40 };
 
 double
-detect_value(struct detect_sums s, enum detect_kind kind)
+bake_detect_value(struct detect_sums s, enum detect_kind kind)
 {
 	double scale =
 	    kind == DETECT_CORR ? sqrt(s.aa) * sqrt(s.bb) : 0.5 * (s.aa + s.bb);
@@ -83,7 +83,7 @@ jackknife(const struct detect_sums *block, int n, struct detect_sums all,
 	double t[NBLOCKS], mean = 0, sum = 0;
 
 	for (int b = 0; b < n; b++) {
-		t[b] = detect_value(sums_add(all, block[b], -1), kind);
+		t[b] = bake_detect_value(sums_add(all, block[b], -1), kind);
 		mean += t[b] / n;
 	}
 	for (int b = 0; b < n; b++)
@@ -92,7 +92,7 @@ jackknife(const struct detect_sums *block, int n, struct detect_sums all,
 }
 
 struct detect_sums
-detect_measure(struct bake_evidence *ev, const struct detect_fields *fields,
+bake_detect_measure(struct bake_evidence *ev, const struct detect_fields *fields,
     int i, int j, enum detect_kind kind)
 {
 	struct detect_sums block[NBLOCKS], all = {0, 0, 0};
@@ -102,7 +102,7 @@ detect_measure(struct bake_evidence *ev, const struct detect_fields *fields,
 	*ev = (struct bake_evidence){.chance = 1, .blocks = n};
 	for (int b = 0; b < n; b++)
 		all = sums_add(all, block[b], 1);
-	ev->value = detect_value(all, kind);
+	ev->value = bake_detect_value(all, kind);
 	/* an empty field has rounding and nothing else to correlate */
 	if (n < 9 || ev->value == 0)
 		return all;
@@ -162,7 +162,7 @@ shifted(const struct detect_fields *fields, int i, int j, const int shift[2],
 }
 
 void
-detect_chance(
+bake_detect_chance(
     struct bake_evidence *ev, const struct detect_fields *fields, int i, int j)
 {
 	int w = fields->width, h = fields->height, nlarger = 0;

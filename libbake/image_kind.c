@@ -181,8 +181,9 @@ bake_image_claim_check(const struct bake_image_claim *claim,
 		return bake_fail(err, BAKE_EDATA,
 		    "%s: claims %dx%d texels, which its %zu bytes cannot hold",
 		    name, claim->width, claim->height, claim->file_size);
-	if (!limits->trust_size && values * 4 > bomb_bytes &&
-	    values * 4 / bomb_ratio > file)
+	/* bytes are 4 times the values, which may be more than fit */
+	if (!limits->trust_size && values > bomb_bytes / 4 &&
+	    values / (bomb_ratio / 4) > file)
 		return bake_fail(err, BAKE_ELIMIT,
 		    "%s: claims %dx%d texels in %zu bytes, as a decompression "
 		    "bomb does",

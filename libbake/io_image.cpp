@@ -4,6 +4,7 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <OpenImageIO/strutil.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -43,6 +44,12 @@ public:
 	pwrite(const void *buf, size_t size, int64_t offset) override
 	{
 		return note(IOFile::pwrite(buf, size, offset), size);
+	}
+	bool
+	seek(int64_t offset) override
+	{
+		/* what was buffered is written now */
+		return note(IOFile::seek(offset), 1) != 0;
 	}
 	int failure = 0;
 
@@ -176,15 +183,16 @@ fill_info(struct bake_image_info *info, const ImageSpec &spec, ImageInput *in)
 	read_attrs(spec, &info->attrs);
 }
 
-/* Number of pages or parts; 2 stands for 'more than one' where the file does
- * not say. */
+/* Number of pages or parts; 2 stands for 'more than one' where a TIFF does not
+ * say. Only there is it safe to look: some readers lose their place. */
 int
-count_subimages(const ImageSpec &spec, ImageInput *in)
+count_subimages(const ImageSpec &spec, enum bake_image_kind kind,
+    ImageInput *in)
 {
 	int n = spec.get_int_attribute("oiio:subimages", 0);
 
-	if (n > 0)
-		return n;
+	if (n > 0 || kind != BAKE_KIND_TIFF)
+		return n > 0 ? n : 1;
 	n = in->seek_subimage(1, 0) ? 2 : 1;
 	in->seek_subimage(0, 0);
 	in->geterror(); /* that there is no second one is no error */
@@ -251,7 +259,7 @@ open_proxy(struct bake_reader *r, const unsigned char *head, size_t nhead,
 	if (rc != BAKE_OK)
 		return rc;
 	fill_info(info, spec, r->in.get());
-	info->nsubimages = count_subimages(spec, r->in.get());
+	info->nsubimages = count_subimages(spec, kind, r->in.get());
 	return BAKE_OK;
 }
 
@@ -418,9 +426,9 @@ bake_reader_read(struct bake_reader *r, int first, int nchans,
 
 		if (first < 0 || nchans < 1 || nchans > spec.nchannels - first)
 			return bake_fail(err, BAKE_EINVAL,
-			    "%s: channels %d to %d were asked for, it has %d",
-			    r->name.c_str(), first, first + nchans - 1,
-			    spec.nchannels);
+			    "%s: %d channels from %d on were asked for, it has "
+			    "%d",
+			    r->name.c_str(), nchans, first, spec.nchannels);
 		rc = bake_image_alloc(
 		    &read, spec.width, spec.height, nchans, err);
 		if (rc == BAKE_OK)
@@ -464,6 +472,33 @@ type_of(enum bake_data_format format)
 	return TypeDesc(types[format]);
 }
 
+/*
+ * TGA's comment is 4 lines of 80 characters and one more byte each: no
+ * attribute may run across two lines. Those for which no room is left are left
+ * out whole, since half a number would be another number.
+ */
+std::string
+tga_comment(const struct bake_attrs *attrs)
+{
+	const size_t line = 81, nlines = 4;
+	std::string text;
+
+	for (int i = 0; i < attrs->n; i++) {
+		const struct bake_attr *a = &attrs->attr[i];
+		std::string one =
+		    std::string("relief:") + a->name + "=" + a->value + ";";
+		size_t used = text.size() % line;
+		size_t gap = used == 0			     ? 0
+			     : used + 1 + one.size() >= line ? line - used
+							     : 1;
+
+		if (one.size() < line &&
+		    text.size() + gap + one.size() < nlines * line)
+			text += std::string(gap, ' ') + one;
+	}
+	return text;
+}
+
 void
 put_attrs(ImageSpec &spec, const struct bake_write_params *params)
 {
@@ -481,9 +516,12 @@ put_attrs(ImageSpec &spec, const struct bake_write_params *params)
 		}
 		return;
 	}
+	if (params->attrs.n == 0)
+		return;
 	bake_attrs_format(&params->attrs, line, sizeof line);
-	if (line[0] != '\0')
-		spec.attribute("ImageDescription", line);
+	spec.attribute("ImageDescription",
+	    params->type == BAKE_FILE_TGA ? tga_comment(&params->attrs)
+					  : std::string(line));
 }
 
 /* libpng's PNG_FILTER_PAETH */
@@ -503,6 +541,9 @@ make_spec(const struct bake_image *img, const struct bake_write_params *params)
 		else if (img->nchans <= 4)
 			spec.channelnames[(size_t)c] =
 			    usual[img->nchans - 1][c];
+		else /* numbered so that they sort in order */
+			spec.channelnames[(size_t)c] =
+			    OIIO::Strutil::fmt::format("c{:06d}", c);
 	}
 	spec.alpha_channel = img->nchans == 4 ? 3 : img->nchans == 2 ? 1 : -1;
 	/* EXR knows associated alpha only; to set this would make OpenImageIO
@@ -586,8 +627,9 @@ write_stream(const struct bake_image *img,
 	done = out->open(name, spec) &&
 	       write_all(out.get(), img, params->data_format, nclipped);
 	done = out->close() && done;
-	if (proxy.failure == 0 && fflush(stream) != 0)
-		proxy.failure = errno;
+	errno = 0;
+	if ((fflush(stream) != 0 || ferror(stream)) && proxy.failure == 0)
+		proxy.failure = errno != 0 ? errno : EIO;
 	if (proxy.failure != 0)
 		return bake_fail(
 		    err, BAKE_EIO, "%s: %s", name, strerror(proxy.failure));

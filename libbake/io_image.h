@@ -103,7 +103,9 @@ BAKE_API void bake_reader_close(struct bake_reader *reader);
 struct bake_write_params {
 	enum bake_file_type type;
 	enum bake_data_format data_format; /* must be one that the type holds */
-	const char *const *names; /* nchans channel names; NULL: Y, YA, RGB… */
+	/* nchans channel names, which EXR sorts; NULL: Y, YA, RGB, RGBA, and
+	 * c000000, c000001 … of more than 4 */
+	const char *const *names;
 	struct bake_attrs attrs;
 	int png_level; /* deflate level, 1 .. 9 */
 };

@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,7 +39,8 @@ folder_of(const char *path)
 			     : strndup(path, (size_t)(slash - path));
 }
 
-/* FOLDER/.NAME.SUFFIX, to be freed. */
+/* FOLDER/.NAME.SUFFIX, to be freed. NAME is cut, so that one as long as a name
+ * can be leaves room. */
 static char *
 hidden_name(const char *path, const char *suffix)
 {
@@ -46,10 +48,37 @@ hidden_name(const char *path, const char *suffix)
 	int nfolder = slash != NULL ? (int)(slash + 1 - path) : 0;
 	char *t;
 
-	if (asprintf(&t, "%.*s.%s.%s", nfolder, path, path + nfolder, suffix) <
-	    0)
+	if (asprintf(&t, "%.*s.%.200s.%s", nfolder, path, path + nfolder,
+		suffix) < 0)
 		return NULL;
 	return t;
+}
+
+/* The path that symbolic links lead to, to be freed; also where nothing is
+ * there yet, which realpath() does not tell. NULL with errno. */
+static char *
+follow_links(const char *path)
+{
+	char to[PATH_MAX], *at = realpath(path, NULL), *next;
+
+	if (at != NULL || errno == ENOMEM)
+		return at;
+	at = strdup(path);
+	for (int nlinks = 0; at != NULL; nlinks++) {
+		ssize_t n = readlink(at, to, sizeof to - 1);
+		const char *slash = strrchr(at, '/');
+		int nfolder = slash != NULL ? (int)(slash + 1 - at) : 0;
+
+		if (n < 0 || nlinks == 40)
+			break; /* stat() tells what is wrong with it */
+		to[n] = '\0';
+		if (asprintf(&next, "%.*s%s", to[0] == '/' ? 0 : nfolder, at,
+			to) < 0)
+			next = NULL;
+		free(at);
+		at = next;
+	}
+	return at;
 }
 
 /* A file without a name in the target's folder; where the system has none,
@@ -101,10 +130,7 @@ look_at_target(struct bake_output *out, const char *path, struct bake_err *err)
 		return BAKE_OK;
 	}
 	out->path = strdup(path);
-	out->target = realpath(path, NULL);
-	if (out->target == NULL)
-		out->target = strdup(path);
-	if (out->target == NULL || out->path == NULL)
+	if (out->path == NULL || (out->target = follow_links(path)) == NULL)
 		return fail_errno(err, path);
 	if (stat(out->target, &st) != 0)
 		return errno == ENOENT ? BAKE_OK : fail_errno(err, path);
@@ -221,7 +247,10 @@ bake_output_commit(struct bake_output *out, struct bake_err *err)
 	enum bake_status rc = BAKE_OK;
 	sigset_t all, old;
 
+	errno = 0;
 	if (fflush(out->stream) != 0 || ferror(out->stream)) {
+		if (errno == 0) /* it was an earlier write that failed */
+			errno = EIO;
 		rc = fail_errno(err, shown(out));
 	} else if (out->direct) {
 		rc = copy_directly(out, err);

@@ -22,8 +22,8 @@ extern "C" {
  *
  * path "-" is standard output. That, and a target that exists and is no
  * regular file (a pipe, a device), is written directly, on commit. A symbolic
- * link is followed: what it points to is replaced. An existing file keeps its
- * permission bits.
+ * link is followed: what it points to is replaced, or made. An existing file
+ * keeps its permission bits.
  */
 struct bake_output {
 	FILE *stream; /* write here */

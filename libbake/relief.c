@@ -81,11 +81,23 @@ name_index(const struct bake_attrs *attrs, const char *attr,
 	return missing;
 }
 
+/* The number that a text is, all of it; 0 where it is no positive one. */
+static double
+positive(const char *text)
+{
+	char *end;
+	double v;
+
+	if (text == NULL)
+		return 0;
+	v = strtod(text, &end);
+	return *end == '\0' && v > 0 && !isinf(v) ? v : 0;
+}
+
 void
 bake_relief_meta_from_attrs(struct bake_relief_meta *meta,
     const struct bake_attrs *attrs)
 {
-	const char *scale = bake_attrs_get(attrs, "DepthScale");
 	int wrap = name_index(attrs, "Wrap", wrap_text, 4, -1);
 
 	meta->layout = (enum bake_layout)name_index(attrs, "Layout",
@@ -96,9 +108,7 @@ bake_relief_meta_from_attrs(struct bake_relief_meta *meta,
 	    normal_y_text, 3, 0);
 	meta->normal_code = (enum bake_normal_code)name_index(attrs,
 	    "NormalCode", normal_code_text, 3, 0);
-	meta->depth_scale = scale != NULL ? strtod(scale, NULL) : 0;
-	if (!(meta->depth_scale > 0) || isinf(meta->depth_scale))
-		meta->depth_scale = 0;
+	meta->depth_scale = positive(bake_attrs_get(attrs, "DepthScale"));
 	meta->has_wrap = wrap >= 0;
 	meta->wrap.clamp_u = wrap >= 0 && (wrap & 1) != 0;
 	meta->wrap.clamp_v = wrap >= 0 && (wrap & 2) != 0;
@@ -169,8 +179,12 @@ bake_relief_pack(const struct bake_target_file *file,
 			    "channel %d needs a map that is not there", c);
 		else if (plane == NULL)
 			fill_channel(&img, c, constant);
+		else if (plane->nchans <= chan)
+			rc = bake_fail(err, BAKE_EINVAL,
+			    "a map has %d channels, expected at least %d",
+			    plane->nchans, chan + 1);
 		else if (plane->width != img.width ||
-			 plane->height != img.height || plane->nchans <= chan)
+			 plane->height != img.height)
 			rc = bake_fail(err, BAKE_EINVAL,
 			    "a map is %dx%d, expected %dx%d", plane->width,
 			    plane->height, img.width, img.height);

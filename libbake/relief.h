@@ -104,7 +104,8 @@ BAKE_API const struct bake_target *bake_target_find(const char *name);
  *           one size
  *   out     out: BAKE_IMAGE_INIT before; the caller's to free
  *
- * BAKE_EINVAL  a plane that the file needs is NULL, or sizes differ
+ * BAKE_EINVAL  a plane that the file needs is NULL or has too few channels, or
+ *              sizes differ
  * BAKE_ENOMEM  no memory
  */
 BAKE_API enum bake_status bake_relief_pack(const struct bake_target_file *file,
@@ -127,7 +128,7 @@ BAKE_API void bake_normal_decode(
 BAKE_API void bake_normal_encode(struct bake_image *img, bool flip_y);
 
 /*
- * Which code float normals are stored in: signed if a component is below 0,
+ * Which code float normals are stored in: signed if an x or y is below -0.01,
  * else whichever of the two readings comes nearer to unit length. img has at
  * least 2 channels; with 2, only the sign tells. Never AUTO.
  */

@@ -1,0 +1,460 @@
+/* The fast march along the rays of a strip, for one instruction set. */
+/* SPDX-License-Identifier: MIT */
+#define BAKE_VEC_256 /* a packet's row is 8 texels */
+#include <limits.h>
+
+#include "horizon_priv.h"
+#include "isa.h"
+#include "vec_priv.h"
+
+enum { SEGMENT = 8 };      /* chunks that are tested before one is marched */
+enum { WHOLE_PACKET = 3 }; /* rows from which a packet is cheaper */
+enum { NVECS = BAKE_PACKET_WIDTH / VEC_LANES }; /* vectors in a row */
+
+#ifdef HZ_COUNT
+long hz_useful, hz_tests, hz_evals, hz_hits, hz_marched, hz_packets;
+#define COUNT(x) (x)
+#else
+#define COUNT(x) (void)0
+#endif
+
+#ifndef INLINE
+#define INLINE inline __attribute__((always_inline))
+#endif
+struct march {
+	const struct bake_horizon *hz;
+	int x0, y0;
+	const float *base; /* texel (x0, y0) */
+	float *slopes;
+	unsigned alive;  /* packets that a test may hit */
+	unsigned raised; /* packets marched since they were bounded */
+	float ahead[BAKE_STRIP_PACKETS]; /* bound at the segment's end */
+	float floor[BAKE_STRIP_PACKETS]; /* see bound_packets */
+	float incline[BAKE_STRIP_PACKETS];
+};
+
+/* Where chunk c's origin is: a float in the heights, the packets' windows. */
+struct spot {
+	const float *texels, *windows;
+};
+
+static inline int
+wrap_origin(int i, int size, bool clamp, int border)
+{
+	if (clamp)
+		return i < -border ? -border : i > size ? size : i;
+	return i >= size ? i - size : i;
+}
+
+static inline struct spot
+find_spot(const struct march *m, long c)
+{
+	const struct bake_horizon *hz = m->hz;
+	const struct bake_horizon_place *place = &m->hz->places[c];
+	const int x = wrap_origin(
+	    m->x0 + place->x, hz->heights.width, hz->wrap.clamp_u, hz->left);
+	const int y = wrap_origin(
+	    m->y0 + place->y, hz->heights.height, hz->wrap.clamp_v, hz->top);
+	const unsigned px = (unsigned)(x + hz->left) / 2;
+	const unsigned py = (unsigned)(y + hz->top) / 2;
+
+	return (struct spot){
+		hz->heights.data +
+		    (ptrdiff_t)y * (ptrdiff_t)hz->heights.row_stride + x,
+		hz->windows.data +
+		    ((size_t)py * BAKE_WINDOW_PHASES +
+			px % BAKE_WINDOW_PHASES) *
+			hz->windows.stride +
+		    px / BAKE_WINDOW_PHASES,
+	};
+}
+
+/* All steps of a chunk for one packet. */
+static INLINE void
+march_packet(const struct march *m, const struct bake_horizon_chunk *chunk,
+    const float *texels, int packet, const bool x_major)
+{
+	const size_t stride = m->hz->heights.row_stride;
+	const size_t minor = x_major ? stride : 1;
+	const float *base = m->base + packet * BAKE_PACKET_WIDTH;
+	float *slopes = m->slopes + packet * BAKE_PACKET_WIDTH;
+
+	texels += packet * BAKE_PACKET_WIDTH;
+	for (int v = 0; v < NVECS; v++) {
+		vec_f best[BAKE_PACKET_HEIGHT], here[BAKE_PACKET_HEIGHT];
+
+		for (int r = 0; r < BAKE_PACKET_HEIGHT; r++) {
+			best[r] = vec_load(
+			    slopes + r * BAKE_STRIP_WIDTH + v * VEC_LANES);
+			here[r] =
+			    vec_load(base + (size_t)r * stride + v * VEC_LANES);
+		}
+		for (int i = 0; i < BAKE_CHUNK; i++) {
+			const float *p = texels + chunk->rel[i] + v * VEC_LANES;
+			const vec_f w0 = vec_set(chunk->w0[i]);
+			const vec_f w1 = vec_set(chunk->w1[i]);
+			vec_f h0, h1 = vec_load(p);
+
+			for (int r = 0; r < BAKE_PACKET_HEIGHT; r++) {
+				if (x_major) {
+					h0 = h1;
+				} else {
+					h0 = vec_load(p + (size_t)r * stride);
+				}
+				h1 = vec_load(p + (size_t)r * stride + minor);
+				best[r] = vec_max(
+				    w0 * (h0 - here[r]) + w1 * (h1 - here[r]),
+				    best[r]);
+			}
+		}
+		for (int r = 0; r < BAKE_PACKET_HEIGHT; r++)
+			vec_store(slopes + r * BAKE_STRIP_WIDTH + v * VEC_LANES,
+			    best[r]);
+	}
+}
+
+/* The same for one of its rows. */
+static INLINE void
+march_row(const struct march *m, const struct bake_horizon_chunk *chunk,
+    const float *texels, int packet, int row, const bool x_major)
+{
+	const size_t stride = m->hz->heights.row_stride;
+	const size_t minor = x_major ? stride : 1;
+	const size_t at =
+	    (size_t)packet * BAKE_PACKET_WIDTH + (size_t)row * stride;
+	float *slopes =
+	    m->slopes + packet * BAKE_PACKET_WIDTH + row * BAKE_STRIP_WIDTH;
+
+	for (int v = 0; v < BAKE_PACKET_WIDTH; v += VEC_LANES) {
+		const vec_f here = vec_load(m->base + at + v);
+		vec_f best = vec_load(slopes + v);
+
+		for (int i = 0; i < BAKE_CHUNK; i++) {
+			const float *p = texels + at + chunk->rel[i] + v;
+			vec_f h0 = vec_load(p), h1 = vec_load(p + minor);
+
+			best = vec_max(vec_set(chunk->w0[i]) * (h0 - here) +
+					   vec_set(chunk->w1[i]) * (h1 - here),
+			    best);
+		}
+		vec_store(slopes + v, best);
+	}
+}
+
+/*
+ * The lowest height above the horizons of a packet at distance reach: the
+ * least h + slope * reach, rounded down by slack unless the slope is 0.
+ * Nothing below it can raise a horizon at that distance.
+ */
+static INLINE float
+packet_bound(const struct march *m, int packet, float reach)
+{
+	const size_t stride = m->hz->heights.row_stride;
+	const vec_f d = vec_set(reach), slack = vec_set(m->hz->slack);
+	const float *base = m->base + packet * BAKE_PACKET_WIDTH;
+	const float *slopes = m->slopes + packet * BAKE_PACKET_WIDTH;
+	vec_f low = vec_set(1e38f);
+
+	for (int r = 0; r < BAKE_PACKET_HEIGHT; r++)
+		for (int v = 0; v < NVECS; v++) {
+			vec_f s = vec_load(
+			    slopes + r * BAKE_STRIP_WIDTH + v * VEC_LANES);
+			vec_f h =
+			    vec_load(base + (size_t)r * stride + v * VEC_LANES);
+
+			low = vec_min(
+			    h + vec_max(s * d - slack, vec_set(0)), low);
+		}
+	return vec_lowest(low);
+}
+
+/*
+ * The rows of the packet with a texel that chunk c may raise: by the crest of
+ * each texel's own ray where there is one, else by the packet's window.
+ */
+static INLINE unsigned
+packet_hit(const struct march *m, int packet, long c, const struct spot *spot)
+{
+	const struct bake_horizon *hz = m->hz;
+	const size_t stride = hz->heights.row_stride;
+	const vec_f d = vec_set(hz->places[c].reach);
+	const size_t at = (size_t)packet * BAKE_PACKET_WIDTH;
+	const float *crests =
+	    hz->far + (spot->texels - hz->padded) + hz->chunks[c].far_rel + at;
+	unsigned rows = 0;
+
+	for (int r = 0; r < BAKE_PACKET_HEIGHT; r++) {
+		unsigned hit = 0;
+
+		for (size_t v = 0; v < BAKE_PACKET_WIDTH; v += VEC_LANES) {
+			vec_f s =
+			    vec_load(m->slopes + r * BAKE_STRIP_WIDTH + at + v);
+			vec_f h =
+			    vec_load(m->base + at + (size_t)r * stride + v);
+			vec_f top =
+			    hz->nexact != LONG_MAX
+				? vec_set(spot->windows[packet])
+				: vec_load(crests + (size_t)r * stride + v);
+
+			hit |= vec_gt_mask(top - h, s * d);
+		}
+		rows |= (unsigned)(hit != 0) << r;
+	}
+	return rows;
+}
+
+/*
+ * The bound of a packet is a concave function of distance (the least of
+ * rising lines), so between two distances it is above its chord
+ * floor + incline * (d - from). A packet whose bound is above all of the map
+ * is done.
+ */
+static void
+bound_packets(struct march *m, float from, float to)
+{
+	for (int p = 0; p < BAKE_STRIP_PACKETS; p++) {
+		float a, b;
+
+		if (!(m->alive >> p & 1))
+			continue;
+		COUNT(hz_evals++);
+		/* an older bound, at a smaller distance, holds as well */
+		a = m->raised >> p & 1 ? packet_bound(m, p, from) : m->ahead[p];
+		if (a >= m->hz->highest) {
+			m->alive &= ~(1u << p);
+			m->floor[p] = 3e38f;
+			m->incline[p] = 0;
+			continue;
+		}
+		b = to > from ? packet_bound(m, p, to) : a;
+		m->floor[p] = a;
+		m->ahead[p] = b;
+		m->incline[p] = to > from ? (b - a) / (to - from) : 0;
+	}
+	m->raised = 0;
+}
+
+/* The packets that chunk c may raise, by its windows against the chords. */
+static INLINE unsigned
+test_chunk(const struct march *m, const float *windows, float ahead)
+{
+	const vec_f x = vec_set(ahead);
+	unsigned hits = 0;
+
+	for (int v = 0; v < BAKE_STRIP_PACKETS; v += VEC_LANES)
+		hits |=
+		    vec_gt_mask(vec_load(windows + v) - vec_load(m->floor + v),
+			vec_load(m->incline + v) * x)
+		    << v;
+	return hits;
+}
+
+/* March the packets of 'hits' through chunk c, except rows that the chunk's
+ * window cannot raise. */
+static INLINE void
+march_hits(const struct march *m, long c, const struct spot *spot,
+    unsigned hits, const bool x_major)
+{
+	for (; hits != 0; hits &= hits - 1) {
+		const int p = __builtin_ctz(hits);
+		unsigned rows = packet_hit(m, p, c, spot);
+
+		COUNT(hz_hits++);
+		COUNT(hz_marched += __builtin_popcount(rows));
+		if (__builtin_popcount(rows) >= WHOLE_PACKET) {
+			march_packet(
+			    m, &m->hz->chunks[c], spot->texels, p, x_major);
+			continue;
+		}
+		for (; rows != 0; rows &= rows - 1)
+			march_row(m, &m->hz->chunks[c], spot->texels, p,
+			    __builtin_ctz(rows), x_major);
+	}
+}
+
+/* The far field: one sample for all of chunk c. */
+static INLINE void
+march_far(const struct march *m, long c, const struct spot *spot, unsigned hits)
+{
+	const struct bake_horizon *hz = m->hz;
+	const struct bake_horizon_chunk *chunk = &hz->chunks[c];
+	const size_t stride = hz->heights.row_stride;
+	const vec_f w = vec_set(chunk->far_weight);
+	const float *far =
+	    hz->far + (spot->texels - hz->padded) + chunk->far_rel;
+
+	for (; hits != 0; hits &= hits - 1) {
+		const int p = __builtin_ctz(hits) * BAKE_PACKET_WIDTH;
+
+		for (int r = 0; r < BAKE_PACKET_HEIGHT; r++)
+			for (int v = p; v < p + BAKE_PACKET_WIDTH;
+			     v += VEC_LANES) {
+				const size_t at =
+				    (size_t)v + (size_t)r * stride;
+				float *slope =
+				    m->slopes + r * BAKE_STRIP_WIDTH + v;
+
+				vec_store(slope,
+				    vec_max(w * (vec_load(far + at) -
+						    vec_load(m->base + at)),
+					vec_load(slope)));
+			}
+	}
+}
+
+static inline __attribute__((always_inline)) void
+march_strip(struct march *m, const bool x_major)
+{
+	const struct bake_horizon *hz = m->hz;
+	long c = 0, length = 1;
+
+	for (; c < 1 && c < hz->nchunks; c++) {
+		const struct spot spot = find_spot(m, c);
+
+		for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
+			march_packet(
+			    m, &hz->chunks[c], spot.texels, p, x_major);
+	}
+	m->alive = m->raised = (1u << BAKE_STRIP_PACKETS) - 1;
+	while (c < hz->nchunks) {
+		const long end =
+		    c + length < hz->nchunks ? c + length : hz->nchunks;
+		const float from = hz->places[c].reach;
+		struct spot spots[SEGMENT];
+		unsigned hits[SEGMENT], any = 0;
+
+		bound_packets(m, from, hz->places[end - 1].reach);
+		if (m->alive == 0)
+			break;
+		for (int i = 0; i < end - c; i++) {
+			spots[i] = find_spot(m, c + i);
+			hits[i] = test_chunk(m, spots[i].windows,
+			    (hz->places[c + i].reach - from) * (1 - 0x1p-18f));
+			any |= hits[i];
+			m->raised |= hits[i];
+			COUNT(hz_tests++);
+		}
+		for (int i = 0; any != 0 && c < end; i++, c++)
+			if (c < hz->nexact)
+				march_hits(m, c, &spots[i], hits[i], x_major);
+			else
+				march_far(m, c, &spots[i], hits[i]);
+		c = end;
+		length = length < SEGMENT ? 2 * length : SEGMENT;
+	}
+	COUNT(hz_packets += BAKE_STRIP_PACKETS);
+}
+
+void
+BAKE_KERNEL(bake_horizon_strip)(
+    const struct bake_horizon *hz, int x0, int y0, float *slopes)
+{
+	struct march m = {
+		.hz = hz,
+		.x0 = x0,
+		.y0 = y0,
+		.base = bake_image_row(&hz->heights, y0) + x0,
+		.slopes = slopes,
+	};
+
+	if (hz->dir.x_major)
+		march_strip(&m, true);
+	else
+		march_strip(&m, false);
+}
+
+/* What a far field's texel is made of: 8 places relative to the least one. */
+struct far_taps {
+	int dx, dy; /* of the least place */
+	ptrdiff_t rel[BAKE_CHUNK];
+	float frac[BAKE_CHUNK];
+	ptrdiff_t minor;
+};
+
+static struct far_taps
+find_taps(const struct bake_horizon *hz)
+{
+	const ptrdiff_t stride = (ptrdiff_t)hz->heights.row_stride;
+	struct far_taps taps = { .minor = hz->dir.x_major ? stride : 1 };
+
+	for (int i = 0; i < BAKE_CHUNK; i++) {
+		const struct bake_horizon_step *st = &hz->far_steps[i];
+
+		taps.dx = st->dx < taps.dx ? (int)st->dx : taps.dx;
+		taps.dy = st->dy < taps.dy ? (int)st->dy : taps.dy;
+	}
+	for (int i = 0; i < BAKE_CHUNK; i++) {
+		const struct bake_horizon_step *st = &hz->far_steps[i];
+
+		taps.rel[i] = (st->dy - taps.dy) * stride + st->dx - taps.dx;
+		taps.frac[i] = st->w1;
+	}
+	return taps;
+}
+
+/* Exact: the highest texel that any ray through the chunk can meet, wherever
+ * between two texels it starts. */
+static INLINE vec_f
+crest_at(const struct far_taps *taps, const float *p)
+{
+	vec_f high = vec_load(p + taps->rel[0]);
+
+	for (int i = 0; i < BAKE_CHUNK; i++) {
+		const float *q = p + taps->rel[i];
+
+		high = vec_max(vec_max(vec_load(q), vec_load(q + taps->minor)),
+		    vec_max(vec_load(q + 2 * taps->minor), high));
+	}
+	return high;
+}
+
+/* Else: the highest sample of the ray that starts at the texel. */
+static INLINE vec_f
+sample_at(const struct far_taps *taps, const float *p)
+{
+	vec_f high = vec_load(p + taps->rel[0]);
+
+	for (int i = 1; i < BAKE_CHUNK; i++) {
+		const float *q = p + taps->rel[i];
+		vec_f h0 = vec_load(q), h1 = vec_load(q + taps->minor);
+
+		/* h0 where h0 = h1: a plane stays one */
+		high = vec_max(h0 + vec_set(taps->frac[i]) * (h1 - h0), high);
+	}
+	return high;
+}
+
+void
+BAKE_KERNEL(bake_horizon_far_row)(const struct bake_horizon *hz, int y)
+{
+	const struct far_taps taps = find_taps(hz);
+	const int width = hz->heights.width, height = hz->heights.height;
+	const int left = hz->left, n = hz->padded_width;
+	const ptrdiff_t stride = (ptrdiff_t)hz->heights.row_stride;
+	const bool exact = hz->nexact == LONG_MAX, clamp = hz->wrap.clamp_u;
+	float *out = hz->far + (ptrdiff_t)(y + hz->top) * stride;
+	const float *row;
+	int px = bake_wrap_index(taps.dx, width, false);
+
+	y = hz->wrap.clamp_v
+		? wrap_origin(y + taps.dy, height, true, hz->top)
+		: bake_wrap_index((long)y + taps.dy, height, false);
+	row = hz->heights.data + y * stride;
+	for (int x = 0; x < n; x += VEC_LANES) {
+		const float *p = row + (clamp ? wrap_origin(x - left + taps.dx,
+						    width, true, left)
+					      : px);
+		vec_f high = exact ? crest_at(&taps, p) : sample_at(&taps, p);
+		float rest[VEC_LANES];
+
+		for (px += VEC_LANES; px >= width;)
+			px -= width;
+		if (x + VEC_LANES <= n) {
+			vec_store(out + x, high);
+			continue;
+		}
+		vec_store(rest, high);
+		for (int i = 0; x + i < n; i++)
+			out[x + i] = rest[i];
+	}
+}

@@ -1,0 +1,212 @@
+/* Horizons of a height field: the map, the rays, the plain march. */
+/* SPDX-License-Identifier: MIT */
+#ifndef BAKE_HORIZON_PRIV_H
+#define BAKE_HORIZON_PRIV_H
+
+#include <stddef.h>
+
+#include "image.h"
+#include "isa.h"
+
+/*
+ * Everything here is in texels and in units of depth: a slope is height over
+ * texels, and tan e = slope * S * W. So one march serves every scale.
+ */
+
+/*
+ * Direction j of n. The ray from texel (x, y), y counted downwards, is at
+ * (x + k sign_x, y + k minor) on an x-major ray and at (x + k minor,
+ * y + k sign_y) on a y-major one after k steps; its points are 'pitch' texels
+ * apart.
+ */
+struct bake_horizon_dir {
+	double cos_phi, sin_phi; /* y up, snapped to 0 */
+	double minor;            /* texels of the minor axis a step, |m| <= 1 */
+	double pitch;            /* sqrt(1 + m^2) */
+	int major;               /* step on the major axis, +1 or -1 */
+	bool x_major;
+	long nsteps; /* K */
+};
+
+/*
+ * One sample of a ray: with the texels p0 = t + (dx, dy) and p1 = its
+ * neighbour at +1 on the minor axis (right or below),
+ *     slope = w0 (h(p0) - h(t)) + w1 (h(p1) - h(t))
+ *     w0 = (1 - f) / dist, w1 = f / dist, f the fraction of the position
+ * Differences first: where they cancel, the result is exact, and a plane has
+ * slope 0.
+ */
+struct bake_horizon_step {
+	long dx, dy;
+	float w0, w1;
+};
+
+/*
+ * Fill in direction j of n, 0 <= j < n. nsteps is periods times the major
+ * axis' length, or with radius > 0 (in texture widths) the largest k with
+ * k pitch <= radius * width.
+ */
+void bake_horizon_dir_init(struct bake_horizon_dir *dir, int j, int n,
+    int width, int height, double radius, int periods);
+
+/* Sample k >= 1 of a ray in direction dir; offsets are not wrapped. */
+struct bake_horizon_step bake_horizon_step(
+    const struct bake_horizon_dir *dir, long k);
+
+/* What the heights are made of a depth: -depth, made harmless. See ao.h. */
+static inline float
+bake_horizon_height(float depth)
+{
+	float h = depth > -1e30f ? depth < 1e30f ? depth : 1e30f : -1e30f;
+
+	/* below 1e-20 weights times differences could become denormal and
+	 * round differently in a bound than in a sample */
+	if (depth != depth || (h < 1e-20f && h > -1e-20f))
+		return 0;
+	return -h;
+}
+
+/*
+ * The march as it is defined: the steepest slope from texel (x, y) along dir,
+ * or 0 if all is below it.
+ *
+ *   heights  1 channel, as bake_horizon_height makes them
+ *
+ * The fast kernel gives the same bits; tests compare the two. Reentrant.
+ */
+float bake_horizon_march(const struct bake_image *heights,
+    struct bake_wrap wrap, const struct bake_horizon_dir *dir, int x, int y);
+
+/*
+ * The fast march. Texels are marched in packets of 8 x 4; 8 packets side by
+ * side are a strip, 4 strips a tile. The steps of a ray are taken in chunks of
+ * 8. A chunk is skipped for a packet when no sample in it can raise a horizon
+ * of the packet, which a table of window maxima tells: see
+ * horizon_kernel.c. Skipping is safe in floating point, so that the result
+ * has the bits of bake_horizon_march.
+ */
+enum {
+	BAKE_CHUNK = 8,
+	BAKE_PACKET_WIDTH = 8,
+	BAKE_PACKET_HEIGHT = 4,
+	BAKE_STRIP_PACKETS = 8,
+	BAKE_STRIP_WIDTH = BAKE_STRIP_PACKETS * BAKE_PACKET_WIDTH,
+	BAKE_TILE_WIDTH = BAKE_STRIP_WIDTH,
+	BAKE_TILE_HEIGHT = 16,
+	BAKE_TILE_TEXELS = BAKE_TILE_WIDTH * BAKE_TILE_HEIGHT
+};
+
+/*
+ * BAKE_CHUNK samples of a ray. A packet whose top left texel is t reads
+ * t + (x, y) and the texels right of and below it alone: (x, y) is the least
+ * offset of the chunk's samples. Sample i is 'rel[i]' floats further on.
+ * Missing samples of the last chunk have no weight.
+ */
+struct bake_horizon_chunk {
+	int rel[BAKE_CHUNK];
+	float w0[BAKE_CHUNK], w1[BAKE_CHUNK];
+	/* the far field's one sample instead of all: where it is in 'far',
+	 * and 1 / distance of the chunk's middle */
+	int far_rel;
+	float far_weight;
+};
+
+/* Where a chunk is, apart from its samples because it is looked at far more
+ * often: its origin, reduced modulo the map on an axis that wraps, and the
+ * distance of the first sample, a little less. */
+struct bake_horizon_place {
+	int x, y;
+	float reach;
+};
+
+/*
+ * Maxima over windows of the heights, on every other texel (x, y) of the map
+ * and its border, counted from the border's corner. Stored so that windows 8
+ * texels apart, as the packets of a strip are, are adjacent:
+ *     data[(y / 2 * 4 + x / 2 % 4) * stride + x / 8]
+ */
+struct bake_horizon_windows {
+	float *data;
+	size_t stride;
+};
+enum { BAKE_WINDOW_PHASES = 4 };
+
+/* How far samples are looked at one by one; see enum bake_ao_quality. */
+enum bake_horizon_far {
+	BAKE_HORIZON_EXACT,
+	BAKE_HORIZON_FAST,
+	BAKE_HORIZON_PREVIEW
+};
+
+/* What the marches of one bake share. */
+struct bake_horizon {
+	/* the heights and, around them, a border of what lies beyond: left
+	 * and top on clamped axes alone. heights is a view of (0, 0) on. */
+	struct bake_image heights;
+	float *padded;
+	int left, top, padded_width, padded_height;
+	float highest, slack; /* slack: some roundings of the largest height */
+	struct bake_wrap wrap;
+	enum bake_isa isa;
+	double radius;
+	int periods;
+
+	/* the present direction */
+	struct bake_horizon_dir dir;
+	long nchunks;
+	struct bake_horizon_place *places;
+	struct bake_horizon_chunk *chunks;
+	long nexact; /* chunks before the far field */
+	/* of the direction: the highest height that a chunk with its origin
+	 * at (x, y) can read for a packet, columns x rows blocks */
+	struct bake_horizon_windows windows;
+	int columns, rows;
+	struct bake_horizon_windows blocks; /* 2 x 2 texels each */
+	float *scratch;                     /* [nthreads] rows of windows */
+	/* the highest of a chunk's samples whose first is exactly at a texel,
+	 * for all of the map and its border; NULL for exact */
+	float *far;
+	struct bake_horizon_step far_steps[BAKE_CHUNK];
+};
+
+/*
+ * Prepare the horizons of depth. *hz is overwritten; free it with
+ * bake_horizon_free, also after a failure.
+ *
+ * BAKE_ENOMEM  no memory, or a size overflows
+ */
+enum bake_status bake_horizon_init(struct bake_horizon *hz,
+    const struct bake_image *depth, struct bake_wrap wrap, double radius,
+    int periods, enum bake_horizon_far far, int nthreads, struct bake_err *err);
+
+void bake_horizon_free(struct bake_horizon *hz);
+
+/*
+ * Turn to direction j of n. Called by all threads of an OpenMP team of at
+ * most init's nthreads, which share the work; all return when it is done.
+ */
+void bake_horizon_aim(struct bake_horizon *hz, int j, int n);
+
+/*
+ * slopes[row][column] of the texels (x0 + column, y0 + row) of one tile in the
+ * present direction, x0 and y0 multiples of the tile's size. Values of texels
+ * beyond the map are unspecified, but finite. Reentrant.
+ */
+void bake_horizon_tile(const struct bake_horizon *hz, int x0, int y0,
+    float slopes[BAKE_TILE_TEXELS]);
+
+/* Row y of the far field, -top <= y < padded_height - top. */
+void bake_horizon_far_row_baseline(const struct bake_horizon *hz, int y);
+void bake_horizon_far_row_avx2(const struct bake_horizon *hz, int y);
+void bake_horizon_far_row_avx512(const struct bake_horizon *hz, int y);
+
+/* One strip, its first texel (x0, y0), in the present direction;
+ * slopes[4][64] are raised. */
+void bake_horizon_strip_baseline(
+    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+void bake_horizon_strip_avx2(
+    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+void bake_horizon_strip_avx512(
+    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+
+#endif

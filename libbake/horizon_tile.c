@@ -1,0 +1,358 @@
+/* Horizons of a height field, tile by tile: the tables of the fast march. */
+/* SPDX-License-Identifier: MIT */
+#include <limits.h>
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "horizon_priv.h"
+#include "mem.h"
+
+/*
+ * Border widths. A strip reads at most 64 + 9 columns and 4 + 9 rows from a
+ * chunk's origin, which is in 0 .. W - 1 on a torus and, on a clamped axis,
+ * moved to -BORDER or W where nothing but the border texels would be read.
+ * Windows reach a few texels further. All are even, for the 2 x 2 blocks.
+ */
+enum { BORDER_X = 80, BORDER_Y = 16, BEYOND_X = 80, BEYOND_Y = 18 };
+
+/* Where in its 8 steps the far field's highest sample is put, 0 .. 7. */
+#define FAR_PLACE 3.5
+
+static float
+absolute(float v)
+{
+	return v < 0 ? -v : v;
+}
+
+static enum bake_status
+make_heights(struct bake_horizon *hz, const struct bake_image *depth,
+    int nthreads, struct bake_err *err)
+{
+	const int width = depth->width, height = depth->height;
+	struct bake_image padded;
+	enum bake_status rc;
+	float highest = -1e30f, largest = 0;
+
+	hz->left = hz->wrap.clamp_u ? BORDER_X : 0;
+	hz->top = hz->wrap.clamp_v ? BORDER_Y : 0;
+	if (width > INT_MAX - 2 * BEYOND_X || height > INT_MAX - 2 * BEYOND_Y)
+		return bake_fail(err, BAKE_ENOMEM,
+		    "%dx%d texels do not fit in memory", width, height);
+	hz->padded_width = hz->left + width + BEYOND_X + width % 2;
+	hz->padded_height = hz->top + height + BEYOND_Y + height % 2;
+	if ((rc = bake_image_alloc(&padded, hz->padded_width, hz->padded_height,
+		 1, err)) != BAKE_OK)
+		return rc;
+	hz->padded = padded.data;
+	hz->heights = padded;
+	hz->heights.width = width;
+	hz->heights.height = height;
+	hz->heights.data += (size_t)hz->top * padded.row_stride + hz->left;
+#pragma omp parallel for num_threads(nthreads) schedule(static)                \
+    reduction(max                                                              \
+	      : highest, largest)
+	for (int y = 0; y < hz->padded_height; y++) {
+		const float *src =
+		    bake_image_row(depth, bake_wrap_index((long)y - hz->top,
+					      height, hz->wrap.clamp_v));
+		float *dst = bake_image_row(&padded, y);
+
+		for (int x = 0; x < hz->left; x++)
+			dst[x] = bake_horizon_height(src[0]);
+		for (int x = 0; x < width; x++) {
+			float h = bake_horizon_height(src[x]);
+
+			dst[hz->left + x] = h;
+			highest = h > highest ? h : highest;
+			largest = absolute(h) > largest ? absolute(h) : largest;
+		}
+		for (int x = width; x < hz->padded_width - hz->left; x++)
+			dst[hz->left + x] = bake_horizon_height(
+			    src[bake_wrap_index(x, width, hz->wrap.clamp_u)]);
+	}
+	hz->highest = highest;
+	hz->slack = largest * 0x1p-21f;
+	return BAKE_OK;
+}
+
+static float *
+window_row(const struct bake_horizon_windows *w, int y2)
+{
+	return w->data + (size_t)y2 * BAKE_WINDOW_PHASES * w->stride;
+}
+
+/* Row y2 of the blocks; the unused end of a phase repeats its last block. */
+static void
+make_block_row(const struct bake_horizon *hz, int y2)
+{
+	const size_t stride = hz->blocks.stride;
+	const int n = hz->padded_width / 2;
+	const float *a =
+	    hz->padded + (size_t)(2 * y2) * (size_t)hz->padded_width;
+	const float *b = a + hz->padded_width;
+	float *out = window_row(&hz->blocks, y2);
+
+	for (size_t i = 0; i < stride; i++)
+		for (int p = 0; p < BAKE_WINDOW_PHASES; p++) {
+			int x = (int)i * BAKE_WINDOW_PHASES + p;
+			float u, v;
+
+			x = 2 * (x < n ? x : n - 1);
+			u = a[x] > a[x + 1] ? a[x] : a[x + 1];
+			v = b[x] > b[x + 1] ? b[x] : b[x + 1];
+			out[(size_t)p * stride + i] = u > v ? u : v;
+		}
+}
+
+/* dst(x) = max of src(x) and src(x + add) for one row of windows; beyond the
+ * last origin windows are cut short, and not used. */
+static void
+widen_row(float *dst, const float *src, size_t stride, int add)
+{
+	for (int p = 0; p < BAKE_WINDOW_PHASES; p++) {
+		const size_t skip = (size_t)(p + add) / BAKE_WINDOW_PHASES;
+		const float *a = src + (size_t)p * stride;
+		const float *b =
+		    src + (size_t)(p + add) % BAKE_WINDOW_PHASES * stride +
+		    skip;
+		float *out = dst + (size_t)p * stride;
+
+		for (size_t i = 0; i < stride - skip; i++)
+			out[i] = a[i] > b[i] ? a[i] : b[i];
+		for (size_t i = stride - skip; i < stride; i++)
+			out[i] = a[i];
+	}
+}
+
+/* The windows whose origin is on padded row 2 y2. scratch: two rows. */
+static void
+make_window_row(const struct bake_horizon *hz, int y2, float *scratch)
+{
+	const size_t stride = hz->windows.stride;
+	const size_t n = stride * BAKE_WINDOW_PHASES;
+	float *from = scratch, *to = scratch + n;
+	int last = 1;
+
+	memcpy(from, window_row(&hz->blocks, y2), n * sizeof *from);
+	for (int i = 1; i < hz->rows; i++) {
+		const float *src = window_row(&hz->blocks, y2 + i);
+
+		for (size_t x = 0; x < n; x++)
+			from[x] = src[x] > from[x] ? src[x] : from[x];
+	}
+	/* windows of 2, 4, 8 columns and then two that overlap */
+	while (last < hz->columns) {
+		int add = last < hz->columns - last ? last : hz->columns - last;
+		float *t = from;
+
+		widen_row(to, from, stride, add);
+		from = to;
+		to = t;
+		last += add;
+	}
+	memcpy(window_row(&hz->windows, y2), from, n * sizeof *from);
+}
+
+/* the lowest row that a strip's chunk starts in is H */
+static int
+window_nrows(const struct bake_horizon *hz)
+{
+	return (hz->top + hz->heights.height) / 2 + 1;
+}
+
+/* The offset of a chunk, reduced so that x0 + offset needs one wrap at most. */
+static int
+reduce_offset(long offset, int size, bool clamp)
+{
+	const long limit = 1L << 29;
+
+	if (!clamp)
+		return bake_wrap_index(offset, size, false);
+	return (int)(offset < -limit  ? -limit
+		     : offset > limit ? limit
+				      : offset);
+}
+
+static void
+make_chunk(const struct bake_horizon *hz, long c)
+{
+	struct bake_horizon_chunk *chunk = &hz->chunks[c];
+	struct bake_horizon_step steps[BAKE_CHUNK];
+	const long stride = (long)hz->heights.row_stride;
+	const long first = c * BAKE_CHUNK + 1;
+	const double middle = (double)first + FAR_PLACE;
+	const long minor = (long)floor(
+	    (double)first * hz->dir.minor + (hz->nexact == LONG_MAX ? 0 : 0.5));
+	long x = LONG_MAX, y = LONG_MAX;
+
+	for (int i = 0; i < BAKE_CHUNK; i++) {
+		steps[i] = bake_horizon_step(&hz->dir, first + i);
+		if (first + i > hz->dir.nsteps)
+			steps[i].w0 = steps[i].w1 = 0;
+		x = steps[i].dx < x ? steps[i].dx : x;
+		y = steps[i].dy < y ? steps[i].dy : y;
+	}
+	if (hz->nexact != LONG_MAX) { /* see set_direction */
+		x -= !hz->dir.x_major;
+		y -= hz->dir.x_major;
+	}
+	for (int i = 0; i < BAKE_CHUNK; i++) {
+		chunk->rel[i] =
+		    (int)((steps[i].dy - y) * stride + steps[i].dx - x);
+		chunk->w0[i] = steps[i].w0;
+		chunk->w1[i] = steps[i].w1;
+	}
+	chunk->far_rel =
+	    hz->dir.x_major
+		? (int)((minor - y) * stride + first * hz->dir.major - x)
+		: (int)((first * hz->dir.major - y) * stride + minor - x);
+	chunk->far_weight = (float)(1 / (middle * hz->dir.pitch));
+	hz->places[c] = (struct bake_horizon_place){
+		reduce_offset(x, hz->heights.width, hz->wrap.clamp_u),
+		reduce_offset(y, hz->heights.height, hz->wrap.clamp_v),
+		(float)((double)first * hz->dir.pitch * (1 - 0x1p-19)),
+	};
+}
+
+/*
+ * Set up the direction, without its tables. 8 steps run over ceil(7 |m|)
+ * texels of the minor axis at most; interpolation reads one more, and so does
+ * a window that serves the odd texels as well. The far field begins its
+ * chunks at the nearest texel, so they may lie one texel beyond either side.
+ */
+static void
+set_direction(struct bake_horizon *hz, int j, int n)
+{
+	int major = BAKE_CHUNK - 1, minor;
+
+	bake_horizon_dir_init(&hz->dir, j, n, hz->heights.width,
+	    hz->heights.height, hz->radius, hz->periods);
+	hz->nchunks = (hz->dir.nsteps + BAKE_CHUNK - 1) / BAKE_CHUNK;
+	minor = (int)ceil(fabs(hz->dir.minor) * (BAKE_CHUNK - 1)) + 1;
+	if (hz->nexact != LONG_MAX)
+		minor += 2;
+	hz->columns =
+	    (BAKE_PACKET_WIDTH + 1 + (hz->dir.x_major ? major : minor) + 1) / 2;
+	hz->rows =
+	    (BAKE_PACKET_HEIGHT + 1 + (hz->dir.x_major ? minor : major) + 1) /
+	    2;
+	for (int i = 0; i < BAKE_CHUNK; i++) {
+		struct bake_horizon_step *st = &hz->far_steps[i];
+		double whole = floor(i * hz->dir.minor);
+
+		st->dx = hz->dir.x_major ? i * hz->dir.major : (long)whole;
+		st->dy = hz->dir.x_major ? (long)whole : i * hz->dir.major;
+		st->w1 = (float)(i * hz->dir.minor - whole);
+		st->w0 = 1 - st->w1;
+	}
+}
+
+void
+bake_horizon_aim(struct bake_horizon *hz, int j, int n)
+{
+	static void (*const far_row[])(const struct bake_horizon *, int) =
+	    BAKE_KERNEL_TABLE(bake_horizon_far_row);
+	const size_t scratch = 2 * BAKE_WINDOW_PHASES * hz->windows.stride;
+
+#pragma omp single
+	set_direction(hz, j, n);
+#pragma omp for schedule(static) nowait
+	for (long c = 0; c < hz->nchunks; c++)
+		make_chunk(hz, c);
+#pragma omp for schedule(static) nowait
+	for (int y2 = 0; y2 < window_nrows(hz); y2++)
+		make_window_row(hz, y2,
+		    hz->scratch + scratch * (size_t)omp_get_thread_num());
+#pragma omp for schedule(static) nowait
+	for (int y = 0; y < hz->padded_height; y++)
+		far_row[hz->isa](hz, y - hz->top);
+#pragma omp barrier
+}
+
+static enum bake_status
+alloc_tables(struct bake_horizon *hz, int nthreads, struct bake_err *err)
+{
+	const int width = hz->heights.width, height = hz->heights.height;
+	const long longer = width > height ? width : height;
+	const size_t nsteps =
+	    (size_t)(hz->radius > 0 ? hz->radius * width
+				    : (double)hz->periods * (double)longer);
+	const size_t nchunks = nsteps / BAKE_CHUNK + 1;
+	const size_t nblock_rows = (size_t)hz->padded_height / 2;
+	size_t nwindows, nscratch;
+
+	hz->windows.stride = hz->blocks.stride =
+	    (size_t)hz->padded_width / 8 + 1;
+	if (!bake_mul_size(hz->windows.stride * BAKE_WINDOW_PHASES, nblock_rows,
+		&nwindows) ||
+	    !bake_mul_size(2 * hz->windows.stride * BAKE_WINDOW_PHASES,
+		(size_t)nthreads, &nscratch))
+		return bake_fail(err, BAKE_ENOMEM,
+		    "%dx%d texels do not fit in memory", width, height);
+	hz->places = bake_alloc(nchunks, sizeof *hz->places, err);
+	hz->chunks = bake_alloc(nchunks, sizeof *hz->chunks, err);
+	hz->windows.data = bake_alloc(nwindows, sizeof(float), err);
+	hz->blocks.data = bake_alloc(nwindows, sizeof(float), err);
+	hz->scratch = bake_alloc(nscratch, sizeof *hz->scratch, err);
+	if (hz->places == NULL || hz->chunks == NULL ||
+	    hz->windows.data == NULL || hz->blocks.data == NULL ||
+	    hz->scratch == NULL)
+		return BAKE_ENOMEM;
+#pragma omp parallel for num_threads(nthreads) schedule(static)
+	for (int y2 = 0; y2 < hz->padded_height / 2; y2++)
+		make_block_row(hz, y2);
+	return BAKE_OK;
+}
+
+enum bake_status
+bake_horizon_init(struct bake_horizon *hz, const struct bake_image *depth,
+    struct bake_wrap wrap, double radius, int periods,
+    enum bake_horizon_far far, int nthreads, struct bake_err *err)
+{
+	enum bake_status rc;
+
+	*hz = (struct bake_horizon){ .wrap = wrap,
+		.isa = bake_isa_pick(),
+		.radius = radius,
+		.periods = periods,
+		.nexact = far == BAKE_HORIZON_EXACT  ? LONG_MAX
+			  : far == BAKE_HORIZON_FAST ? 32 / BAKE_CHUNK
+						     : 16 / BAKE_CHUNK };
+	if ((rc = make_heights(hz, depth, nthreads, err)) != BAKE_OK ||
+	    (rc = alloc_tables(hz, nthreads, err)) != BAKE_OK)
+		return rc;
+	if ((hz->far = bake_alloc(
+		 (size_t)hz->padded_width * (size_t)hz->padded_height,
+		 sizeof *hz->far, err)) == NULL)
+		return BAKE_ENOMEM;
+	return BAKE_OK;
+}
+
+void
+bake_horizon_free(struct bake_horizon *hz)
+{
+	free(hz->padded);
+	free(hz->places);
+	free(hz->chunks);
+	free(hz->windows.data);
+	free(hz->blocks.data);
+	free(hz->scratch);
+	free(hz->far);
+	*hz = (struct bake_horizon){ .padded = NULL };
+}
+
+void
+bake_horizon_tile(const struct bake_horizon *hz, int x0, int y0,
+    float slopes[BAKE_TILE_TEXELS])
+{
+	static void (*const strip[])(const struct bake_horizon *, int, int,
+	    float *) = BAKE_KERNEL_TABLE(bake_horizon_strip);
+
+	for (int t = 0; t < BAKE_TILE_TEXELS; t++)
+		slopes[t] = 0;
+	for (int y = 0; y < BAKE_TILE_HEIGHT && y0 + y < hz->heights.height;
+	     y += BAKE_PACKET_HEIGHT)
+		strip[hz->isa](hz, x0, y0 + y, slopes + y * BAKE_TILE_WIDTH);
+}

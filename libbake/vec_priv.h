@@ -1,0 +1,256 @@
+/* Float vectors of the instruction set a kernel is compiled for. */
+/* SPDX-License-Identifier: MIT */
+#ifndef BAKE_VEC_PRIV_H
+#define BAKE_VEC_PRIV_H
+
+/*
+ * struct-free thin names over the compiler's vectors: + - * / work lane by
+ * lane on vec_f; what the C dialect lacks for vectors (maximum, square root,
+ * comparison) is named here. All operations are IEEE single precision
+ * and give the same bits in every width. vec_max(a, b) is a > b ? a : b, so
+ * that a NaN in a is dropped and -0 against 0 yields b.
+ */
+#if defined(__AVX512F__) && !defined(BAKE_VEC_256)
+#include <immintrin.h>
+enum { VEC_LANES = 16 };
+typedef __m512 vec_f;
+
+static inline vec_f
+vec_load(const float *p)
+{
+	return _mm512_loadu_ps(p);
+}
+
+static inline void
+vec_store(float *p, vec_f v)
+{
+	_mm512_storeu_ps(p, v);
+}
+
+static inline vec_f
+vec_set(float x)
+{
+	return _mm512_set1_ps(x);
+}
+
+static inline vec_f
+vec_max(vec_f a, vec_f b)
+{
+	return _mm512_max_ps(a, b);
+}
+
+static inline vec_f
+vec_min(vec_f a, vec_f b)
+{
+	return _mm512_min_ps(a, b);
+}
+
+static inline vec_f
+vec_sqrt(vec_f a)
+{
+	return _mm512_sqrt_ps(a);
+}
+
+/* bit i: lane i of a is greater than that of b */
+static inline unsigned
+vec_gt_mask(vec_f a, vec_f b)
+{
+	return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ);
+}
+
+static inline float
+vec_lowest(vec_f a)
+{
+	return _mm512_reduce_min_ps(a);
+}
+
+#elif defined(__AVX2__)
+#include <immintrin.h>
+enum { VEC_LANES = 8 };
+typedef __m256 vec_f;
+
+static inline vec_f
+vec_load(const float *p)
+{
+	return _mm256_loadu_ps(p);
+}
+
+static inline void
+vec_store(float *p, vec_f v)
+{
+	_mm256_storeu_ps(p, v);
+}
+
+static inline vec_f
+vec_set(float x)
+{
+	return _mm256_set1_ps(x);
+}
+
+static inline vec_f
+vec_max(vec_f a, vec_f b)
+{
+	return _mm256_max_ps(a, b);
+}
+
+static inline vec_f
+vec_min(vec_f a, vec_f b)
+{
+	return _mm256_min_ps(a, b);
+}
+
+static inline vec_f
+vec_sqrt(vec_f a)
+{
+	return _mm256_sqrt_ps(a);
+}
+
+static inline unsigned
+vec_gt_mask(vec_f a, vec_f b)
+{
+	return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ));
+}
+
+static inline float
+vec_lowest(vec_f a)
+{
+	__m128 m =
+	    _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
+
+	m = _mm_min_ps(m, _mm_movehl_ps(m, m));
+	return _mm_cvtss_f32(_mm_min_ss(m, _mm_shuffle_ps(m, m, 1)));
+}
+
+#elif defined(__SSE2__)
+#include <emmintrin.h>
+enum { VEC_LANES = 4 };
+typedef __m128 vec_f;
+
+static inline vec_f
+vec_load(const float *p)
+{
+	return _mm_loadu_ps(p);
+}
+
+static inline void
+vec_store(float *p, vec_f v)
+{
+	_mm_storeu_ps(p, v);
+}
+
+static inline vec_f
+vec_set(float x)
+{
+	return _mm_set1_ps(x);
+}
+
+static inline vec_f
+vec_max(vec_f a, vec_f b)
+{
+	return _mm_max_ps(a, b);
+}
+
+static inline vec_f
+vec_min(vec_f a, vec_f b)
+{
+	return _mm_min_ps(a, b);
+}
+
+static inline vec_f
+vec_sqrt(vec_f a)
+{
+	return _mm_sqrt_ps(a);
+}
+
+static inline unsigned
+vec_gt_mask(vec_f a, vec_f b)
+{
+	return (unsigned)_mm_movemask_ps(_mm_cmpgt_ps(a, b));
+}
+
+static inline float
+vec_lowest(vec_f a)
+{
+	a = _mm_min_ps(a, _mm_movehl_ps(a, a));
+	return _mm_cvtss_f32(_mm_min_ss(a, _mm_shuffle_ps(a, a, 1)));
+}
+
+#else /* any other machine: four lanes, which compilers turn into NEON */
+#include <math.h>
+#include <string.h>
+enum { VEC_LANES = 4 };
+typedef float vec_f __attribute__((vector_size(16)));
+
+static inline vec_f
+vec_load(const float *p)
+{
+	vec_f v;
+
+	memcpy(&v, p, sizeof v);
+	return v;
+}
+
+static inline void
+vec_store(float *p, vec_f v)
+{
+	memcpy(p, &v, sizeof v);
+}
+
+static inline vec_f
+vec_set(float x)
+{
+	return (vec_f){x, x, x, x};
+}
+
+static inline vec_f
+vec_max(vec_f a, vec_f b)
+{
+	vec_f v;
+
+	for (int i = 0; i < VEC_LANES; i++)
+		v[i] = a[i] > b[i] ? a[i] : b[i];
+	return v;
+}
+
+static inline vec_f
+vec_min(vec_f a, vec_f b)
+{
+	vec_f v;
+
+	for (int i = 0; i < VEC_LANES; i++)
+		v[i] = a[i] < b[i] ? a[i] : b[i];
+	return v;
+}
+
+static inline vec_f
+vec_sqrt(vec_f a)
+{
+	vec_f v;
+
+	for (int i = 0; i < VEC_LANES; i++)
+		v[i] = sqrtf(a[i]);
+	return v;
+}
+
+static inline unsigned
+vec_gt_mask(vec_f a, vec_f b)
+{
+	unsigned mask = 0;
+
+	for (int i = 0; i < VEC_LANES; i++)
+		mask |= (unsigned)(a[i] > b[i]) << i;
+	return mask;
+}
+
+static inline float
+vec_lowest(vec_f a)
+{
+	float low = a[0];
+
+	for (int i = 1; i < VEC_LANES; i++)
+		low = a[i] < low ? a[i] : low;
+	return low;
+}
+#endif
+
+#endif

@@ -1,0 +1,54 @@
+# Broken, odd and hostile images: a right result, or one line that names the
+# file; never a signal, a hang, all of the memory or a leftover.
+# SPDX-License-Identifier: MIT
+. "$LIB"
+need rm-pack rm-aobake rm-info
+
+images=$RELIEF_DATA/nasty_images
+if [ ! -d "$images" ]; then
+	check 'nasty images'
+	skip "the shared test images are not there ($images)"
+	exit 0
+fi
+
+# AddressSanitizer reserves more address space than any limit allows.
+# shellcheck disable=SC3045 # sh has it on Linux, if not in POSIX
+[ "$MODE" = asan ] || ulimit -v $((12 * 1024 * 1024))
+
+try() {
+	status=0
+	timeout 30 "$@" >"$PRIV/out" 2>"$PRIV/err" </dev/null || status=$?
+	case $status in
+	0 | 1) ;;
+	124) bad "'$*' takes more than 30 s" ;;
+	*) bad "'$*' exits $status: $(tail -n 3 "$PRIV/err")" ;;
+	esac
+	[ "$status" -ne 1 ] || stderr_one_line "$name"
+	[ "$status" -ne 1 ] || [ ! -s "$PRIV/out" ] ||
+		bad "'$*' fails and yet prints to standard output"
+}
+
+for path in "$images"/*; do
+	name=$(basename "$path")
+	check "$name"
+	try rm-info -q "$path"
+	try rm-aobake -n4 -q "$path" -o ao.png
+	[ "$status" -ne 0 ] || present ao.png
+	[ "$status" -eq 0 ] || absent ao.png
+	rm -f ao.png
+	try rm-pack -q --ao none --depth "$path" -o packed.png
+	[ "$status" -ne 0 ] || present packed.png
+	[ "$status" -eq 0 ] || absent packed.png
+	rm -f packed.png
+	no_litter ''
+done
+
+check 'NaN and infinite texels are counted in a warning and repaired'
+exits 0 rm-aobake -n4 "$images/height_nan_inf.exr" -o ao.exr
+stderr_has 'height_nan_inf.exr'
+exits 1 rm-aobake -n4 "$images/height_allnan.exr" -o none.exr
+stderr_one_line 'height_allnan.exr'
+absent none.exr
+
+check 'a name with spaces and umlauts'
+ok rm-aobake -q -n4 "$images/height näme with späces.png" -o ao.png
