@@ -7,7 +7,11 @@
 #include "isa.h"
 #include "vec_priv.h"
 
-enum { SEGMENT = 8 };      /* chunks that are tested before one is marched */
+#ifndef SEG
+#define SEG 8
+#define GROW 2
+#endif
+enum { SEGMENT = SEG };
 enum { WHOLE_PACKET = 3 }; /* rows from which a packet is cheaper */
 enum { NVECS = BAKE_PACKET_WIDTH / VEC_LANES }; /* vectors in a row */
 
@@ -306,7 +310,7 @@ static inline __attribute__((always_inline)) void
 march_strip(struct march *m, const bool x_major)
 {
 	const struct bake_horizon *hz = m->hz;
-	long c = 0, length = 1;
+	long c = 0, length = LEN0;
 
 	for (; c < 1 && c < hz->nchunks; c++) {
 		const struct spot spot = find_spot(m, c);
@@ -340,7 +344,7 @@ march_strip(struct march *m, const bool x_major)
 			else
 				march_far(m, c, &spots[i], hits[i]);
 		c = end;
-		length = length < SEGMENT ? 2 * length : SEGMENT;
+		length = length * GROW < SEGMENT ? GROW * length : SEGMENT;
 	}
 	COUNT(hz_packets += BAKE_STRIP_PACKETS);
 }
@@ -367,7 +371,7 @@ BAKE_KERNEL(bake_horizon_strip)(
 struct far_taps {
 	int dx, dy; /* of the least place */
 	ptrdiff_t rel[BAKE_CHUNK];
-	float frac[BAKE_CHUNK];
+	ptrdiff_t near[BAKE_CHUNK]; /* to the nearer of the two texels */
 	ptrdiff_t minor;
 };
 
@@ -387,7 +391,7 @@ find_taps(const struct bake_horizon *hz)
 		const struct bake_horizon_step *st = &hz->far_steps[i];
 
 		taps.rel[i] = (st->dy - taps.dy) * stride + st->dx - taps.dx;
-		taps.frac[i] = st->w1;
+		taps.near[i] = st->w1 < 0.5f ? 0 : taps.minor;
 	}
 	return taps;
 }
@@ -408,19 +412,15 @@ crest_at(const struct far_taps *taps, const float *p)
 	return high;
 }
 
-/* Else: the highest sample of the ray that starts at the texel. */
+/* Else: the highest of the texels nearest to the ray that starts at the
+ * texel. */
 static INLINE vec_f
 sample_at(const struct far_taps *taps, const float *p)
 {
 	vec_f high = vec_load(p + taps->rel[0]);
 
-	for (int i = 1; i < BAKE_CHUNK; i++) {
-		const float *q = p + taps->rel[i];
-		vec_f h0 = vec_load(q), h1 = vec_load(q + taps->minor);
-
-		/* h0 where h0 = h1: a plane stays one */
-		high = vec_max(h0 + vec_set(taps->frac[i]) * (h1 - h0), high);
-	}
+	for (int i = 1; i < BAKE_CHUNK; i++)
+		high = vec_max(vec_load(p + taps->rel[i] + taps->near[i]), high);
 	return high;
 }
 

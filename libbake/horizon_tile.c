@@ -18,7 +18,7 @@
 enum { BORDER_X = 80, BORDER_Y = 16, BEYOND_X = 80, BEYOND_Y = 18 };
 
 /* Where in its 8 steps the far field's highest sample is put, 0 .. 7. */
-#define FAR_PLACE 3.5
+#define FAR_PLACE 4.25
 
 static float
 absolute(float v)

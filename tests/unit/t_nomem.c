@@ -1,10 +1,11 @@
-/*
- * Every allocation fails in turn: each failure is reported, leaks nothing and
- * leaves the outputs as the headers say. Linked with --wrap for the functions
- * below, so that they see every call of libbake's own code (not those inside
- * other libraries, which allocate by themselves).
- */
+/* Every allocation fails in turn: failures are reported and leak nothing. */
 /* SPDX-License-Identifier: MIT */
+
+/*
+ * Each failure leaves the outputs as the headers say. Linked with --wrap for
+ * the functions below, so that they see every call of libbake's own code (not
+ * those inside other libraries, which allocate by themselves).
+ */
 #include <dirent.h>
 #include <errno.h>
 #include <pthread.h>
