@@ -15,6 +15,9 @@ PREFIX ?= /usr/local
 DESTDIR ?=
 FUZZ_SECONDS ?= 60
 .DEFAULT_GOAL := all
+# what is made is named; V=1 shows the commands
+Q := $(if $(V),,@)
+SAY = @mkdir -p $(@D)$(if $(V),,; echo '  $@')
 
 # -- flags ---------------------------------------------------------------
 PKGS := OpenImageIO OpenEXR fftw3 jansson
@@ -91,41 +94,43 @@ FORCE:
 
 # an archive, so that a tool links just what it uses of the frame
 $(B)/frame.a: $(FRAME_O) $(B)/objects.stamp
+	$(SAY)
 	@rm -f $@
-	$(AR) rcs $@ $(FRAME_O)
+	$(Q)$(AR) rcs $@ $(FRAME_O)
 $(B)/bin/%: $(B)/cmd/%.c.o $(B)/frame.a $(B)/libbake.a $(B)/link.stamp
-	@mkdir -p $(@D)
-	$(CXX) $(BASE_LDFLAGS) $(LDFLAGS) -o $@ $(filter-out %.stamp,$^) \
+	$(SAY)
+	$(Q)$(CXX) $(BASE_LDFLAGS) $(LDFLAGS) -o $@ $(filter-out %.stamp,$^) \
 	    $(LIBS)
 $(B)/libbake.a: $(LIB_O) $(B)/objects.stamp
+	$(SAY)
 	@rm -f $@
-	$(AR) rcs $@ $(LIB_O)
+	$(Q)$(AR) rcs $@ $(LIB_O)
 $(B)/%.c.o: %.c $(B)/compile.stamp
-	@mkdir -p $(@D)
-	$(CC) $(BASE_CFLAGS) $(CFLAGS) $(DEPS) -c -o $@ $<
+	$(SAY)
+	$(Q)$(CC) $(BASE_CFLAGS) $(CFLAGS) $(DEPS) -c -o $@ $<
 $(B)/%.cpp.o: %.cpp $(B)/compile.stamp
-	@mkdir -p $(@D)
-	$(CXX) $(BASE_CXXFLAGS) $(CXXFLAGS) $(DEPS) -c -o $@ $<
+	$(SAY)
+	$(Q)$(CXX) $(BASE_CXXFLAGS) $(CXXFLAGS) $(DEPS) -c -o $@ $<
 # $(1) instruction set, $(2) folder, $(3) compiler, $(4) further flags
 define ISA_RULE
 $(2)/%_kernel.c.$(1).o: %_kernel.c $(B)/compile.stamp
-	@mkdir -p $$(@D)
-	$(3) $$(BASE_CFLAGS) $(4) $$(CFLAGS) $$(ISA_CFLAGS_$(1)) \
+	$$(SAY)
+	$$(Q)$(3) $$(BASE_CFLAGS) $(4) $$(CFLAGS) $$(ISA_CFLAGS_$(1)) \
 	    -DBAKE_KERNEL_ISA=$(1) $$(DEPS) -c -o $$@ $$<
 endef
 $(foreach isa,$(ISAS),$(eval $(call ISA_RULE,$(isa),$(B),$$(CC),)))
 
 # -- tests ---------------------------------------------------------------
 $(B)/tests/%: $(B)/tests/unit/%.c.o $(B)/libbake.a $(B)/link.stamp
-	@mkdir -p $(@D)
-	$(CXX) $(BASE_LDFLAGS) $(LDFLAGS) -o $@ $(filter-out %.stamp,$^) \
+	$(SAY)
+	$(Q)$(CXX) $(BASE_LDFLAGS) $(LDFLAGS) -o $@ $(filter-out %.stamp,$^) \
 	    $(LIBS)
 # private: link.stamp must not see these
 $(B)/tests/t_nomem: private override LDFLAGS += $(foreach f,aligned_alloc \
 	asprintf fdopen free realpath strdup strndup tmpfile,-Wl,--wrap=$(f))
 $(B)/bench/%: $(B)/tests/bench/%.c.o $(B)/libbake.a $(B)/link.stamp
-	@mkdir -p $(@D)
-	$(CXX) $(BASE_LDFLAGS) $(LDFLAGS) -o $@ $(filter-out %.stamp,$^) \
+	$(SAY)
+	$(Q)$(CXX) $(BASE_LDFLAGS) $(LDFLAGS) -o $@ $(filter-out %.stamp,$^) \
 	    $(LIBS)
 
 # Fuzz targets: the library once more, by clang with libFuzzer's coverage.
@@ -137,16 +142,16 @@ FB := $(B)/fuzz
 FUZZ := $(patsubst tests/fuzz/%.c,$(FB)/bin/%,$(wildcard tests/fuzz/fuzz_*.c))
 FUZZ_O := $(LIB_O:$(B)/%=$(FB)/%)
 $(FB)/bin/%: $(FB)/tests/fuzz/%.c.o $(FUZZ_O) $(B)/link.stamp
-	@mkdir -p $(@D)
-	$(FUZZ_CXX) $(FUZZ_FLAGS) -fsanitize=fuzzer -fopenmp $(LDFLAGS) -o $@ \
+	$(SAY)
+	$(Q)$(FUZZ_CXX) $(FUZZ_FLAGS) -fsanitize=fuzzer -fopenmp $(LDFLAGS) -o $@ \
 	    $(filter-out %.stamp,$^) $(LIBS)
 $(FB)/%.c.o: %.c $(B)/compile.stamp
-	@mkdir -p $(@D)
-	$(FUZZ_CC) $(BASE_CFLAGS) $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link \
+	$(SAY)
+	$(Q)$(FUZZ_CC) $(BASE_CFLAGS) $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link \
 	    $(CFLAGS) $(DEPS) -c -o $@ $<
 $(FB)/%.cpp.o: %.cpp $(B)/compile.stamp
-	@mkdir -p $(@D)
-	$(FUZZ_CXX) $(BASE_CXXFLAGS) $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link \
+	$(SAY)
+	$(Q)$(FUZZ_CXX) $(BASE_CXXFLAGS) $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link \
 	    $(CXXFLAGS) $(DEPS) -c -o $@ $<
 $(foreach isa,$(ISAS),$(eval $(call ISA_RULE,$(isa),$(FB),$$(FUZZ_CC),\
 	$$(FUZZ_FLAGS) -fsanitize=fuzzer-no-link)))
@@ -194,7 +199,7 @@ HEADERS := $(filter-out %_priv.h,$(wildcard libbake/*.h))
 DEST := $(DESTDIR)$(PREFIX)
 
 $(B)/relief.pc: FORCE
-	@mkdir -p $(@D)
+	$(SAY)
 	@printf '%s\n' 'prefix=$(PREFIX)' 'libdir=$${prefix}/lib' \
 	    'includedir=$${prefix}/include' '' 'Name: relief' \
 	    'Description: baking of relief textures' 'Version: $(VERSION)' \

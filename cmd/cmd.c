@@ -27,9 +27,9 @@ static const struct {
 	unsigned group;
 	struct cmd_option opt;
 } common[] = {
-	{ CMD_OPTS_OUTPUT,
-	    { 'd', "data-format", "FORMAT",
-		"uint8, uint16, half or float; default: the inputs' deepest" } },
+	{ CMD_OPTS_OUTPUT, { 'd', "data-format", "FORMAT",
+			       "uint8, uint16, half or float; default: the "
+			       "inputs' deepest" } },
 	{ CMD_OPTS_OUTPUT,
 	    { 'M', "depfile", "FILE",
 		"write a Make rule: the outputs and all that was read" } },
@@ -43,9 +43,8 @@ static const struct {
 	    { KEY_HEIGHT, "height", NULL,
 		"input relief maps are heights: white is high" } },
 	{ 0, { 'h', "help", NULL, "print this and leave" } },
-	{ 0,
-	    { KEY_MAX_PIXELS, "max-pixels", "N",
-		"refuse larger inputs (default 2^30 texels)" } },
+	{ 0, { KEY_MAX_PIXELS, "max-pixels", "N",
+		 "refuse larger inputs (default 2^30 texels)" } },
 	{ CMD_OPTS_NORMAL,
 	    { KEY_NORMAL_CODE, "normal-code", "CODE",
 		"input normals: unsigned, signed or auto (default)" } },
@@ -60,13 +59,11 @@ static const struct {
 	{ CMD_OPTS_OUTPUT_NORMAL,
 	    { KEY_OUTPUT_NORMAL_Y, "output-normal-y", "up|down",
 		"the same for output (default: the target's, else up)" } },
-	{ CMD_OPTS_OUTPUT,
-	    { KEY_PNG_LEVEL, "png-level", "N",
-		"PNG deflate level, 1 to 9 (default 2)" } },
+	{ CMD_OPTS_OUTPUT, { KEY_PNG_LEVEL, "png-level", "N",
+			       "PNG deflate level, 1 to 9 (default 2)" } },
 	{ 0, { 'q', "quiet", NULL, "no warnings" } },
-	{ 0,
-	    { 'j', "threads", "N",
-		"threads, 1 to 1024 (default: all processors)" } },
+	{ 0, { 'j', "threads", "N",
+		 "threads, 1 to 1024 (default: all processors)" } },
 	{ 0, { 'v', "verbose", NULL, "say what is being done" } },
 	{ 0, { 'V', "version", NULL, "print the version and leave" } },
 	{ CMD_OPTS_RELIEF,
@@ -244,9 +241,9 @@ set_output_option(struct cmd *cmd, int key, const char *arg)
 	case KEY_FORMAT:
 		cmd->has_type = bake_file_type_from_name(arg, &cmd->type);
 		return cmd->has_type ||
-		    cmd_usage_error(cmd,
-			"--format is '%s', expected png, tga, tiff or exr",
-			arg);
+		       cmd_usage_error(cmd,
+			   "--format is '%s', expected png, tga, tiff or exr",
+			   arg);
 	case 'o':
 		cmd->output = arg;
 		return true;
@@ -287,8 +284,8 @@ set_common(struct cmd *cmd, int key, const char *arg)
 		cmd->has_normal_y = true;
 		return set_normal_y(cmd, "normal-y", arg, &cmd->normal_y);
 	case KEY_OUTPUT_NORMAL_Y:
-		return set_normal_y(cmd, "output-normal-y", arg,
-		    &cmd->output_normal_y);
+		return set_normal_y(
+		    cmd, "output-normal-y", arg, &cmd->output_normal_y);
 	case 'q':
 		cmd->quiet = true;
 		return true;
@@ -345,11 +342,11 @@ bad_option(const struct cmd *cmd, int c, char *const argv[])
 	const char *text = argv[optind - 1];
 
 	if (c == ':')
-		return cmd_usage_error(cmd, "option %s needs an argument",
-		    text);
+		return cmd_usage_error(
+		    cmd, "option %s needs an argument", text);
 	if (optopt != 0 && strncmp(text, "--", 2) == 0)
-		return cmd_usage_error(cmd, "option %s takes no argument",
-		    text);
+		return cmd_usage_error(
+		    cmd, "option %s takes no argument", text);
 	if (optopt != 0)
 		return cmd_usage_error(cmd, "unknown option -%c", optopt);
 	return cmd_usage_error(cmd, "unknown or unclear option %s", text);
@@ -364,16 +361,16 @@ output_is_clear(const struct cmd *cmd)
 
 	if (cmd->output != NULL && cmd->output_dir != NULL)
 		return cmd_usage_error(cmd, "-o and -O exclude each other");
-	by_name = cmd->output != NULL &&
-	    bake_file_type_from_path(cmd->output, &type);
+	by_name =
+	    cmd->output != NULL && bake_file_type_from_path(cmd->output, &type);
 	if (cmd->output != NULL && !cmd->has_type && !by_name)
 		return cmd_usage_error(cmd, CMD_NO_TYPE,
 		    strcmp(cmd->output, "-") == 0 ? "standard output"
 						  : cmd->output);
 	if (by_name && cmd->has_type && type != cmd->type)
-		return cmd_usage_error(cmd,
-		    "%s: its name says %s, --format %s", cmd->output,
-		    bake_file_type_name(type), bake_file_type_name(cmd->type));
+		return cmd_usage_error(cmd, "%s: its name says %s, --format %s",
+		    cmd->output, bake_file_type_name(type),
+		    bake_file_type_name(cmd->type));
 	if (cmd->output == NULL && !cmd->has_type)
 		return true;
 	if (cmd->has_data_format &&
@@ -400,7 +397,7 @@ parse(struct cmd *cmd, const struct cmd_list *args)
 	optind = 1;
 	opterr = 0;
 	while ((c = getopt_long(args->n, args->item, letters, longs, NULL)) !=
-	    -1) {
+	       -1) {
 		bool ok;
 
 		if (c == 'h') {

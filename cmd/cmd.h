@@ -64,7 +64,7 @@ struct cmd_list {
 /* What was asked for: the common options, and the operands. */
 struct cmd {
 	const struct cmd_tool *tool;
-	FILE *err; /* standard error, for our messages alone */
+	FILE *err;            /* standard error, for our messages alone */
 	struct cmd_list args; /* response files expanded */
 	struct cmd_list operands;
 	const char *output, *output_dir, *depfile;
@@ -87,7 +87,7 @@ struct cmd {
 	double depth_near, depth_far; /* --depth-range NEAR,FAR */
 	struct cmd_list read;         /* files read, for the depfile */
 	struct cmd_list written;
-	struct cmd_list warnings;	      /* held back */
+	struct cmd_list warnings; /* held back */
 };
 
 /*

@@ -29,12 +29,12 @@ print_failure(struct cmd *cmd, const struct bake_err *err)
 
 /* What is in the file but is not used. */
 static void
-warn_unused(struct cmd *cmd, const char *path,
-    const struct bake_image_info *info)
+warn_unused(
+    struct cmd *cmd, const char *path, const struct bake_image_info *info)
 {
 	if (info->nsubimages > 1)
-		cmd_warn(cmd, "%s: has several images; the first is read",
-		    path);
+		cmd_warn(
+		    cmd, "%s: has several images; the first is read", path);
 	if (info->orientation > 1)
 		cmd_warn(cmd,
 		    "%s: its orientation tag (%d) is ignored: rows are read "
@@ -89,8 +89,8 @@ repair(struct cmd *cmd, struct cmd_map *map)
 	/* integer codes are numbers */
 	if (bake_data_format_max(map->info.data_format) != 0)
 		return true;
-	if (bake_repair_nonfinite(&map->img, cmd->wrap, cmd->nthreads, &n,
-		&err) != BAKE_OK) {
+	if (bake_repair_nonfinite(
+		&map->img, cmd->wrap, cmd->nthreads, &n, &err) != BAKE_OK) {
 		cmd_error(cmd, "%s: %s", map->path, err.msg);
 		cmd_map_free(map);
 		return false;
@@ -138,8 +138,8 @@ cmd_channel_index(const struct bake_image_info *info, const char *name)
 		return (int)(letter - usual);
 	i = strtol(name, &end, 10);
 	return end != name && *end == '\0' && i >= 0 && i < info->nchans
-	    ? (int)i
-	    : -1;
+		   ? (int)i
+		   : -1;
 }
 
 bool
@@ -157,7 +157,7 @@ cmd_packed_channels(const struct bake_image_info *info, int channel[4])
 			channel[c] = cmd_channel_index(info, usual[c]);
 	}
 	return channel[0] >= 0 && channel[1] >= 0 && channel[2] >= 0 &&
-	    channel[3] >= 0;
+	       channel[3] >= 0;
 }
 
 int
@@ -176,8 +176,8 @@ cmd_relief_channel(const struct bake_image_info *info)
 /* The relief's channel where the texels need not be asked; -1 where they do.
  */
 static int
-relief_by_info(const struct bake_image_info *info,
-    const struct bake_relief_meta *meta)
+relief_by_info(
+    const struct bake_image_info *info, const struct bake_relief_meta *meta)
 {
 	/* a picture this large is not read whole for a warning's sake */
 	const long large = 1L << 26;
@@ -239,8 +239,8 @@ read_unknown(struct cmd *cmd, struct bake_reader *reader, struct cmd_map *map)
 	if (!read_channels(cmd, reader, 0, map->info.nchans, map))
 		return false;
 	layout = guess_layout(cmd, map);
-	packed = layout == BAKE_LAYOUT_RELIEF ||
-	    layout == BAKE_LAYOUT_NORMAL_RELIEF;
+	packed =
+	    layout == BAKE_LAYOUT_RELIEF || layout == BAKE_LAYOUT_NORMAL_RELIEF;
 	if (packed)
 		cmd_warn(cmd,
 		    "%s: read as a packed texture, with the relief in A; "
@@ -256,8 +256,8 @@ read_unknown(struct cmd *cmd, struct bake_reader *reader, struct cmd_map *map)
 }
 
 bool
-cmd_read_channel(struct cmd *cmd, const char *path, const char *chan,
-    struct cmd_map *map)
+cmd_read_channel(
+    struct cmd *cmd, const char *path, const char *chan, struct cmd_map *map)
 {
 	struct bake_reader *reader;
 	int c;
@@ -315,8 +315,7 @@ cmd_relief_range(struct cmd *cmd, struct cmd_map *map)
 	double lo, hi;
 
 	if (cmd->has_polarity && said == BAKE_POLARITY_DEPTH)
-		cmd_warn(cmd,
-		    "%s: its metadata say depth, --height is taken",
+		cmd_warn(cmd, "%s: its metadata say depth, --height is taken",
 		    map->path);
 	value_range(&map->img, &lo, &hi);
 	if (cmd->has_depth_range) {
@@ -348,7 +347,8 @@ cmd_smooth_steps(struct cmd *cmd, const struct cmd_map *map,
     struct bake_image *depth, double scale, struct bake_wrap wrap, bool smooth)
 {
 	struct bake_err err = BAKE_ERR_INIT;
-	int bits = map->info.bits > 0 && map->info.bits < 8 ? map->info.bits : 8;
+	int bits =
+	    map->info.bits > 0 && map->info.bits < 8 ? map->info.bits : 8;
 	int max = (1 << bits) - 1;
 	double step, share;
 
@@ -375,8 +375,8 @@ struct bake_wrap
 cmd_wrap(const struct cmd *cmd, const struct cmd_map *map)
 {
 	return cmd->has_wrap || map == NULL || !map->meta.has_wrap
-	    ? cmd->wrap
-	    : map->meta.wrap;
+		   ? cmd->wrap
+		   : map->meta.wrap;
 }
 
 char *
@@ -402,7 +402,8 @@ cmd_outputs_differ(const struct cmd *cmd, const struct cmd_list *inputs)
 {
 	bool differ = true;
 
-	for (int i = 0; differ && cmd->output_dir != NULL && i < inputs->n; i++) {
+	for (int i = 0; differ && cmd->output_dir != NULL && i < inputs->n;
+	     i++) {
 		char *a = cmd_output_path(cmd, inputs->item[i], "");
 
 		for (int k = 0; differ && a != NULL && k < i; k++) {
@@ -430,8 +431,8 @@ write_params(struct cmd *cmd, const char *path, enum bake_data_format deepest,
 		return false;
 	}
 	p->data_format = cmd->has_data_format
-	    ? cmd->data_format
-	    : bake_file_type_nearest(p->type, deepest);
+			     ? cmd->data_format
+			     : bake_file_type_nearest(p->type, deepest);
 	return true;
 }
 

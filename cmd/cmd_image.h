@@ -35,8 +35,8 @@ bool cmd_read_raw(struct cmd *cmd, const char *path, struct cmd_map *map);
  * layout, else a channel called depth, height or Z, else A where R and G look
  * like a normal's, else the first. Values are as stored.
  */
-bool cmd_read_channel(struct cmd *cmd, const char *path, const char *chan,
-    struct cmd_map *map);
+bool cmd_read_channel(
+    struct cmd *cmd, const char *path, const char *chan, struct cmd_map *map);
 
 /* Index of a channel by name (R G B A, the file's own name, or a number from
  * 0); -1 where there is none. */
@@ -66,8 +66,7 @@ void cmd_to_depth(struct cmd *cmd, struct cmd_map *map);
  * they matter. False with the reason printed.
  */
 bool cmd_smooth_steps(struct cmd *cmd, const struct cmd_map *map,
-    struct bake_image *depth, double scale, struct bake_wrap wrap,
-    bool smooth);
+    struct bake_image *depth, double scale, struct bake_wrap wrap, bool smooth);
 
 /* The wrap to use: the option's, else the metadata's, else tile. */
 struct bake_wrap cmd_wrap(const struct cmd *cmd, const struct cmd_map *map);
@@ -75,8 +74,8 @@ struct bake_wrap cmd_wrap(const struct cmd *cmd, const struct cmd_map *map);
 /* Where an output goes: -o, or DIR/STEM+suffix.TYPE with -O (TYPE by --format,
  * else the input's extension where it can be written, else png). NULL, with a
  * usage error, where neither was given. Caller frees. */
-char *cmd_output_path(const struct cmd *cmd, const char *input,
-    const char *suffix);
+char *cmd_output_path(
+    const struct cmd *cmd, const char *input, const char *suffix);
 
 /* Whether the outputs of all inputs have different names with -O; otherwise a
  * usage error that names two that do not. */

@@ -57,9 +57,8 @@ cmd_numbers(const struct cmd *cmd, const char *option, const char *text,
 			return true;
 		p++;
 	}
-	return cmd_usage_error(cmd,
-	    "--%s is '%s', expected %s from %g to %g%s", option, text,
-	    max == 1 ? "a number" : "numbers", lo, hi,
+	return cmd_usage_error(cmd, "--%s is '%s', expected %s from %g to %g%s",
+	    option, text, max == 1 ? "a number" : "numbers", lo, hi,
 	    max == 1 ? "" : ", separated by commas");
 }
 
@@ -108,13 +107,13 @@ cmd_choice(const struct cmd *cmd, const char *option, const char *text,
 			return true;
 		}
 		used += (size_t)snprintf(all + used, sizeof all - used, "%s%s",
-		    i == 0	     ? ""
-			: i == n - 1 ? " or "
-				     : ", ",
+		    i == 0       ? ""
+		    : i == n - 1 ? " or "
+				 : ", ",
 		    names[i]);
 		if (used >= sizeof all)
 			used = sizeof all - 1;
 	}
-	return cmd_usage_error(cmd, "--%s is '%s', expected %s", option, text,
-	    all);
+	return cmd_usage_error(
+	    cmd, "--%s is '%s', expected %s", option, text, all);
 }

@@ -95,11 +95,11 @@ cmd_inputs_fit(const struct cmd *cmd, int n)
 	if (n == 0)
 		return cmd_usage_error(cmd, "no input");
 	if (cmd->output == NULL && cmd->output_dir == NULL)
-		return cmd_usage_error(cmd,
-		    "no output: give -o FILE or -O DIR");
+		return cmd_usage_error(
+		    cmd, "no output: give -o FILE or -O DIR");
 	if (n > 1 && cmd->output_dir == NULL)
-		return cmd_usage_error(cmd,
-		    "%d inputs and one output: give -O DIR", n);
+		return cmd_usage_error(
+		    cmd, "%d inputs and one output: give -O DIR", n);
 	return true;
 }
 
@@ -151,22 +151,22 @@ cmd_list_free(struct cmd_list *list)
 }
 
 char *
-cmd_path_derive(const char *path, const char *dir, const char *suffix,
-    const char *ext)
+cmd_path_derive(
+    const char *path, const char *dir, const char *suffix, const char *ext)
 {
 	const char *slash = strrchr(path, '/');
 	const char *base = slash != NULL ? slash + 1 : path;
 	const char *dot = strrchr(base, '.');
-	int nstem = dot != NULL && dot != base ? (int)(dot - base)
-					       : (int)strlen(base);
+	int nstem =
+	    dot != NULL && dot != base ? (int)(dot - base) : (int)strlen(base);
 	int nfolder = (int)(base - path);
 	char *out = NULL;
 
 	if (ext == NULL)
 		ext = base + nstem;
 	if (dir != NULL) {
-		if (asprintf(&out, "%s/%.*s%s%s", dir, nstem, base, suffix,
-			ext) < 0)
+		if (asprintf(
+			&out, "%s/%.*s%s%s", dir, nstem, base, suffix, ext) < 0)
 			out = NULL;
 	} else if (asprintf(&out, "%.*s%.*s%s%s", nfolder, path, nstem, base,
 		       suffix, ext) < 0) {

@@ -90,8 +90,8 @@ find_relief(struct cmd *cmd, const struct info_opts *o,
 /*
  * The layout by the metadata, by the relief's name, else by the texels; then
  * relief_channel, which comes in as the named one or -1. A relief named in the
- * place of A may be that of a packed texture, so the texels are asked first; one
- * that --channel names elsewhere is a relief and nothing more.
+ * place of A may be that of a packed texture, so the texels are asked first;
+ * one that --channel names elsewhere is a relief and nothing more.
  */
 static enum bake_status
 find_layout(const struct info_opts *o, const struct cmd_map *map,
@@ -99,8 +99,8 @@ find_layout(const struct info_opts *o, const struct cmd_map *map,
     struct bake_inspection *found, struct bake_err *err)
 {
 	const int named = found->relief_channel;
-	const bool elsewhere = named >= 0 &&
-	    (map->info.nchans < 4 || named != rgba[3]);
+	const bool elsewhere =
+	    named >= 0 && (map->info.nchans < 4 || named != rgba[3]);
 	enum bake_status rc = BAKE_OK;
 
 	found->layout = map->meta.layout;
@@ -125,7 +125,8 @@ find_layout(const struct info_opts *o, const struct cmd_map *map,
 /* The maps in one file, with the layout they have. */
 static enum bake_status
 open_maps(const struct cmd *cmd, const struct info_opts *o,
-    const struct cmd_map *map, struct bake_maps *maps, struct bake_inspection *found, struct bake_err *err)
+    const struct cmd_map *map, struct bake_maps *maps,
+    struct bake_inspection *found, struct bake_err *err)
 {
 	enum bake_normal_code code = normal_code(cmd, map);
 	enum bake_status rc;
@@ -230,8 +231,8 @@ apply_depth_range(const struct cmd *cmd, struct info_report *r)
 }
 
 static enum bake_status
-inspect(const struct cmd *cmd, const struct info_opts *o,
-    struct info_report *r, struct bake_err *err)
+inspect(const struct cmd *cmd, const struct info_opts *o, struct info_report *r,
+    struct bake_err *err)
 {
 	struct bake_inspection *f = &r->found;
 	const struct bake_image *img = &r->map.img;

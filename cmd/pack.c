@@ -107,9 +107,8 @@ unify_code(struct pack *p)
 	if (!rebuild && code == BAKE_NORMAL_CODE_UNSIGNED)
 		return true;
 	bake_normal_decode(&m->img, code, false);
-	if (rebuild &&
-	    bake_normal_normalize(&m->img, p->cmd->nthreads, NULL, &err) !=
-		BAKE_OK)
+	if (rebuild && bake_normal_normalize(
+			   &m->img, p->cmd->nthreads, NULL, &err) != BAKE_OK)
 		return failed(p, m->path, &err);
 	bake_normal_encode(&m->img, false);
 	return true;
@@ -124,9 +123,9 @@ read_normal(struct pack *p, const char *path)
 	    !unify_code(p))
 		return false;
 	p->has_normal = true;
-	p->normal_y = cmd->has_normal_y	  ? cmd->normal_y
-	    : p->normal.meta.normal_y != 0 ? p->normal.meta.normal_y
-					   : BAKE_NORMAL_Y_UP;
+	p->normal_y = cmd->has_normal_y              ? cmd->normal_y
+		      : p->normal.meta.normal_y != 0 ? p->normal.meta.normal_y
+						     : BAKE_NORMAL_Y_UP;
 	return true;
 }
 
@@ -143,8 +142,8 @@ read_maps(struct pack *p, const struct pack_inputs *in)
 	struct cmd *cmd = p->cmd;
 
 	if (in->depth != NULL) {
-		if (!cmd_read_channel(cmd, in->depth, p->o->depth_channel,
-			&p->relief))
+		if (!cmd_read_channel(
+			cmd, in->depth, p->o->depth_channel, &p->relief))
 			return false;
 		p->has_relief = true;
 		p->polarity = cmd_relief_range(cmd, &p->relief);
@@ -241,8 +240,8 @@ renormalize(struct pack *p)
 	struct bake_err err = BAKE_ERR_INIT;
 
 	bake_normal_decode(&p->normal.img, BAKE_NORMAL_CODE_UNSIGNED, false);
-	if (bake_normal_normalize(&p->normal.img, p->cmd->nthreads, NULL,
-		&err) != BAKE_OK)
+	if (bake_normal_normalize(
+		&p->normal.img, p->cmd->nthreads, NULL, &err) != BAKE_OK)
 		return failed(p, p->normal.path, &err);
 	bake_normal_encode(&p->normal.img, false);
 	return true;
@@ -255,8 +254,8 @@ unify_sizes(struct pack *p)
 	    p->has_relief ? &p->relief.img : &p->normal.img;
 	int w = p->o->width > 0 ? p->o->width : size->width;
 	int h = p->o->height > 0 ? p->o->height : size->height;
-	bool stretched = p->has_normal &&
-	    (p->normal.img.width != w || p->normal.img.height != h);
+	bool stretched = p->has_normal && (p->normal.img.width != w ||
+					      p->normal.img.height != h);
 
 	if (p->has_relief && !resample_to(p, &p->relief, w, h))
 		return false;
@@ -332,13 +331,13 @@ copy_depth(struct pack *p, struct bake_image *depth)
 		bake_relief_flip(depth, 0);
 	/* an integrated depth has no info, and no steps */
 	return p->relief.info.width == 0 ||
-	    cmd_smooth_steps(p->cmd, &p->relief, depth, p->scale, p->wrap,
-		p->o->dequantize);
+	       cmd_smooth_steps(p->cmd, &p->relief, depth, p->scale, p->wrap,
+		   p->o->dequantize);
 }
 
 static enum bake_status
-bake_normals(struct pack *p, const struct bake_image *depth,
-    struct bake_err *err)
+bake_normals(
+    struct pack *p, const struct bake_image *depth, struct bake_err *err)
 {
 	enum bake_status rc = bake_normal_from_depth(depth, p->scale, p->wrap,
 	    p->o->slope, p->cmd->nthreads, &p->normal.img, err);
@@ -351,8 +350,8 @@ bake_normals(struct pack *p, const struct bake_image *depth,
 }
 
 static enum bake_status
-bake_occlusion(struct pack *p, const struct bake_image *depth,
-    struct bake_err *err)
+bake_occlusion(
+    struct pack *p, const struct bake_image *depth, struct bake_err *err)
 {
 	struct bake_ao_params params = p->o->ao;
 	struct bake_ao_result res = { &p->ao.img, NULL, NULL };
@@ -377,10 +376,10 @@ derive_from_depth(struct pack *p, bool want_normal, bool want_ao)
 
 	if (ok && want_normal)
 		ok = bake_normals(p, &depth, &err) == BAKE_OK ||
-		    failed(p, p->relief.path, &err);
+		     failed(p, p->relief.path, &err);
 	if (ok && want_ao)
 		ok = bake_occlusion(p, &depth, &err) == BAKE_OK ||
-		    failed(p, p->relief.path, &err);
+		     failed(p, p->relief.path, &err);
 	bake_image_free(&depth);
 	return ok;
 }
@@ -414,7 +413,7 @@ static bool
 derive_missing(struct pack *p)
 {
 	bool want_ao = !p->has_ao && !p->o->no_ao &&
-	    uses_source(p->o->target, BAKE_SOURCE_AO);
+		       uses_source(p->o->target, BAKE_SOURCE_AO);
 
 	if (!p->has_relief && !derive_relief(p))
 		return false;
@@ -441,8 +440,7 @@ turn(struct pack *p, enum bake_normal_y normal_y)
 }
 
 static bool
-write_file(struct pack *p, const struct bake_target_file *file,
-    const char *out)
+write_file(struct pack *p, const struct bake_target_file *file, const char *out)
 {
 	static const char *const exr_names[] = { "normal.x", "normal.y", "ao",
 		"depth" };
@@ -461,12 +459,11 @@ write_file(struct pack *p, const struct bake_target_file *file,
 	meta.wrap = p->wrap;
 	ok = bake_relief_pack(file, &p->normal.img, &p->ao.img, &p->relief.img,
 		 &img, &err) == BAKE_OK ||
-	    failed(p, path, &err);
-	ok = ok &&
-	    cmd_write(p->cmd, &img, path, p->deepest, &meta,
-		p->o->exr_names && file->layout == BAKE_LAYOUT_RELIEF
-		    ? exr_names
-		    : NULL);
+	     failed(p, path, &err);
+	ok = ok && cmd_write(p->cmd, &img, path, p->deepest, &meta,
+		       p->o->exr_names && file->layout == BAKE_LAYOUT_RELIEF
+			   ? exr_names
+			   : NULL);
 	bake_image_free(&img);
 	free(path);
 	return ok;
@@ -478,12 +475,12 @@ pack_set(struct cmd *cmd, const struct pack_opts *o,
 {
 	struct pack p = { .cmd = cmd, .o = o };
 	enum bake_normal_y y = cmd->output_normal_y != BAKE_NORMAL_Y_UNSURE
-	    ? cmd->output_normal_y
-	    : o->target->normal_y;
+				   ? cmd->output_normal_y
+				   : o->target->normal_y;
 	bool ok;
 
 	ok = read_maps(&p, in) && check_agreement(&p) && unify_sizes(&p) &&
-	    derive_missing(&p);
+	     derive_missing(&p);
 	if (ok)
 		turn(&p, y);
 	for (int f = 0; ok && f < o->target->nfiles; f++)

@@ -34,7 +34,7 @@ struct unpack_outputs {
 	const char *normal, *ao, *depth;
 	bool height; /* write depth as height */
 };
-bool unpack_file(struct cmd *cmd, const char *in,
-    const struct unpack_outputs *out);
+bool unpack_file(
+    struct cmd *cmd, const char *in, const struct unpack_outputs *out);
 
 #endif

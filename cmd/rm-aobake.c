@@ -34,13 +34,15 @@ static const struct cmd_option options[] = {
 	    "depth range / texture width (default 0.1 or the file's)" },
 	{ KEY_DEQUANTIZE, "dequantize", NULL,
 	    "smooth an 8-bit map within half a code before baking" },
-	{ 'n', "directions", "N", "horizon directions, 3 to 1024 (default 50)" },
+	{ 'n', "directions", "N",
+	    "horizon directions, 3 to 1024 (default 50)" },
 	{ KEY_ESTIMATOR, "estimator", "NAME",
 	    "polygon (default, the paper's) or mean" },
 	{ KEY_HORIZONS, "horizons", "FILE",
 	    "also write tan of the horizon angles, an EXR channel each" },
 	{ KEY_IN_PLACE, "in-place-channel", "NAME",
-	    "rewrite this channel (B) of a packed input, with -o or in its place" },
+	    "rewrite this channel (B) of a packed input, with -o or in its "
+	    "place" },
 	{ KEY_NO_BLUR, "no-blur", NULL, "no low-pass" },
 	{ KEY_PERIODS, "periods", "N",
 	    "reach in periods of the texture, 1 to 64 (default 1)" },
@@ -82,8 +84,8 @@ set_choice(struct cmd *cmd, struct opts *o, int key, const char *arg)
 		if (!cmd_choice(cmd, "blur-mode", arg, blurs, 2, &i))
 			return false;
 		if (o->ao.blur != BAKE_AO_BLUR_NONE)
-			o->ao.blur = i == 0 ? BAKE_AO_BLUR_PAPER
-					    : BAKE_AO_BLUR_OCCLUDED;
+			o->ao.blur =
+			    i == 0 ? BAKE_AO_BLUR_PAPER : BAKE_AO_BLUR_OCCLUDED;
 		return true;
 	}
 }
@@ -184,8 +186,8 @@ write_horizons(struct cmd *cmd, const struct opts *o,
 	meta.layout = BAKE_LAYOUT_HORIZONS;
 	exr.has_type = true;
 	exr.type = BAKE_FILE_EXR;
-	exr.has_data_format = cmd->has_data_format &&
-	    cmd->data_format == BAKE_DATA_HALF;
+	exr.has_data_format =
+	    cmd->has_data_format && cmd->data_format == BAKE_DATA_HALF;
 	ok = cmd_write(&exr, horizons, path, BAKE_DATA_FLOAT, &meta, names);
 	cmd->written = exr.written;
 	free(path);
@@ -210,8 +212,8 @@ write_in_place(struct cmd *cmd, const struct opts *o, const char *in,
 		return false;
 	c = cmd_channel_index(&map.info, o->in_place);
 	if (c < 0 || map.info.nchans > BAKE_INFO_NAMES) {
-		cmd_error(cmd, "%s: has no channel %s to rewrite", in,
-		    o->in_place);
+		cmd_error(
+		    cmd, "%s: has no channel %s to rewrite", in, o->in_place);
 		cmd_map_free(&map);
 		return false;
 	}
@@ -219,8 +221,8 @@ write_in_place(struct cmd *cmd, const struct opts *o, const char *in,
 	map.meta.depth_scale = scale;
 	for (int i = 0; i < map.info.nchans; i++)
 		names[i] = map.info.names[i];
-	ok = cmd_write(cmd, &map.img, path, map.info.data_format, &map.meta,
-	    names);
+	ok = cmd_write(
+	    cmd, &map.img, path, map.info.data_format, &map.meta, names);
 	cmd_map_free(&map);
 	return ok;
 }
@@ -238,22 +240,22 @@ write_results(struct cmd *cmd, const struct opts *o, const char *in,
 	meta.wrap = wrap;
 	for (int k = 0; ok && k < o->nscales; k++) {
 		char *path = cmd->output == NULL && cmd->output_dir == NULL
-		    ? cmd_path_derive(in, NULL, "", NULL)
-		    : cmd_output_path(cmd, in, "");
+				 ? cmd_path_derive(in, NULL, "", NULL)
+				 : cmd_output_path(cmd, in, "");
 
 		add_scale_suffix(&path, o->scale[k], o->nscales);
 		meta.depth_scale = o->scale[k];
 		if (o->in_place != NULL)
-			ok = write_in_place(cmd, o, in, &res->ao[k], path,
-			    o->scale[k]);
+			ok = write_in_place(
+			    cmd, o, in, &res->ao[k], path, o->scale[k]);
 		else
 			ok = cmd_write(cmd, &res->ao[k], path,
 			    map->info.data_format, &meta, NULL);
 		if (ok && o->bent != NULL)
 			ok = write_bent(cmd, o, map, &res->bent[k], &meta, k);
 		if (ok && o->horizons != NULL)
-			ok = write_horizons(cmd, o, &res->horizons[k], &meta,
-			    k);
+			ok =
+			    write_horizons(cmd, o, &res->horizons[k], &meta, k);
 		free(path);
 	}
 	return ok;
@@ -298,14 +300,14 @@ bake_file(struct cmd *cmd, const struct opts *given, const char *in)
 	wrap = cmd_wrap(cmd, &map);
 	if (o.nscales == 0) {
 		o.nscales = 1;
-		o.scale[0] = map.meta.depth_scale > 0 ? map.meta.depth_scale
-						      : 0.1;
+		o.scale[0] =
+		    map.meta.depth_scale > 0 ? map.meta.depth_scale : 0.1;
 	}
 	cmd_to_depth(cmd, &map);
-	ok = cmd_smooth_steps(cmd, &map, &map.img, o.scale[0], wrap,
-		 o.dequantize) &&
-	    bake(cmd, &o, &map, wrap, &res) &&
-	    write_results(cmd, &o, in, &map, &res, wrap);
+	ok = cmd_smooth_steps(
+		 cmd, &map, &map.img, o.scale[0], wrap, o.dequantize) &&
+	     bake(cmd, &o, &map, wrap, &res) &&
+	     write_results(cmd, &o, in, &map, &res, wrap);
 	for (int k = 0; k < o.nscales; k++) {
 		bake_image_free(&ao[k]);
 		bake_image_free(&bent[k]);
@@ -335,8 +337,8 @@ run(struct cmd *cmd, const struct opts *o)
 		return CMD_EXIT_USAGE;
 	}
 	if (n > 1 && (o->bent != NULL || o->horizons != NULL)) {
-		cmd_usage_error(cmd,
-		    "--bent-normal and --horizons take one input");
+		cmd_usage_error(
+		    cmd, "--bent-normal and --horizons take one input");
 		return CMD_EXIT_USAGE;
 	}
 	if (!cmd_outputs_differ(cmd, &cmd->operands))

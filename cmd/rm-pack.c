@@ -82,8 +82,8 @@ set_target(struct cmd *cmd, struct opts *o, const char *arg)
 {
 	o->pack.target = bake_target_find(arg);
 	return o->pack.target != NULL ||
-	    cmd_usage_error(cmd,
-		"--target is '%s', which is none of --list-targets", arg);
+	       cmd_usage_error(cmd,
+		   "--target is '%s', which is none of --list-targets", arg);
 }
 
 static bool
@@ -104,8 +104,8 @@ set_how(struct cmd *cmd, struct opts *o, int key, const char *arg)
 
 	switch (key) {
 	case 's':
-		return cmd_number(cmd, "depth-scale", arg, 1e-9, 1e6,
-		    &o->pack.depth_scale);
+		return cmd_number(
+		    cmd, "depth-scale", arg, 1e-9, 1e6, &o->pack.depth_scale);
 	case KEY_DAMPING:
 		return cmd_number(cmd, "damping", arg, 0, 1, &o->pack.damping);
 	case KEY_QUALITY:
@@ -114,8 +114,8 @@ set_how(struct cmd *cmd, struct opts *o, int key, const char *arg)
 		o->pack.ao.quality = (enum bake_ao_quality)i;
 		return true;
 	case KEY_SIZE:
-		return cmd_size(cmd, "size", arg, &o->pack.width,
-		    &o->pack.height);
+		return cmd_size(
+		    cmd, "size", arg, &o->pack.width, &o->pack.height);
 	case KEY_SLOPE:
 		if (!cmd_choice(cmd, "slope", arg, slopes, 2, &i))
 			return false;
@@ -202,8 +202,8 @@ sets_are_clear(const struct cmd *cmd, const struct opts *o, int n)
 		    "%s: maps are given with --normal, --depth and --ao",
 		    cmd->operands.item[0]);
 	if (n == 0)
-		return cmd_usage_error(cmd,
-		    "no input: give --normal, --depth or both");
+		return cmd_usage_error(
+		    cmd, "no input: give --normal, --depth or both");
 	if ((o->normals.n != 0 && o->normals.n != n) ||
 	    (o->depths.n != 0 && o->depths.n != n) ||
 	    (o->aos.n != 0 && o->aos.n != n))
@@ -225,8 +225,8 @@ sets_are_clear(const struct cmd *cmd, const struct opts *o, int n)
 static int
 pack_all(struct cmd *cmd, const struct opts *o)
 {
-	const struct cmd_list *named = o->depths.n > 0 ? &o->depths
-						       : &o->normals;
+	const struct cmd_list *named =
+	    o->depths.n > 0 ? &o->depths : &o->normals;
 	int status = CMD_EXIT_OK, n = named->n;
 
 	if (!sets_are_clear(cmd, o, n) || !cmd_outputs_differ(cmd, named))
@@ -251,16 +251,16 @@ pack_all(struct cmd *cmd, const struct opts *o)
 static bool
 unpack_is_clear(const struct cmd *cmd, const struct opts *o)
 {
-	bool named = o->out.normal != NULL || o->out.ao != NULL ||
-	    o->out.depth != NULL;
+	bool named =
+	    o->out.normal != NULL || o->out.ao != NULL || o->out.depth != NULL;
 
 	if (cmd->operands.n > 0)
 		return cmd_usage_error(cmd,
 		    "%s: inputs are given with --unpack",
 		    cmd->operands.item[0]);
 	if (o->normals.n + o->depths.n + o->aos.n > 0)
-		return cmd_usage_error(cmd,
-		    "--unpack does not go with --normal, --depth or --ao");
+		return cmd_usage_error(
+		    cmd, "--unpack does not go with --normal, --depth or --ao");
 	if (cmd->output != NULL)
 		return cmd_usage_error(cmd,
 		    "--unpack writes --normal-out, --ao-out and --depth-out, "
@@ -270,8 +270,8 @@ unpack_is_clear(const struct cmd *cmd, const struct opts *o)
 		    "--unpack needs --normal-out, --ao-out or --depth-out, or "
 		    "-O DIR for all three");
 	if (named && o->unpacks.n > 1)
-		return cmd_usage_error(cmd, "%d inputs to unpack: give -O DIR",
-		    o->unpacks.n);
+		return cmd_usage_error(
+		    cmd, "%d inputs to unpack: give -O DIR", o->unpacks.n);
 	return true;
 }
 
@@ -305,7 +305,8 @@ unpack_all(struct cmd *cmd, const struct opts *o)
 int
 main(int argc, char *argv[])
 {
-	struct opts o = { .pack = { .ao = BAKE_AO_PARAMS_DEFAULT, .damping = -1 } };
+	struct opts o = { .pack = {
+			      .ao = BAKE_AO_PARAMS_DEFAULT, .damping = -1 } };
 	struct cmd_tool tool = { "rm-pack",
 		"[--normal N] [--depth D] [--ao A] -o OUT\n"
 		"       rm-pack [options] --unpack IN [--normal-out N] "
@@ -321,9 +322,9 @@ main(int argc, char *argv[])
 
 	o.pack.target = bake_target_find("relief");
 	if (cmd_parse(&cmd, &tool, argc, argv, &status))
-		status = o.list_targets ? print_targets()
-		    : o.unpacks.n > 0	? unpack_all(&cmd, &o)
-					: pack_all(&cmd, &o);
+		status = o.list_targets    ? print_targets()
+			 : o.unpacks.n > 0 ? unpack_all(&cmd, &o)
+					   : pack_all(&cmd, &o);
 	cmd_list_free(&o.normals);
 	cmd_list_free(&o.depths);
 	cmd_list_free(&o.aos);

@@ -27,8 +27,8 @@ write_plane(struct packed *p, int chan, const char *path,
 	bake_image_copy_channel(&one, 0, img, p->channel[chan]);
 	if (flip)
 		bake_relief_flip(&one, 0);
-	ok = cmd_write(p->cmd, &one, path, p->map.info.data_format, &meta,
-	    NULL);
+	ok =
+	    cmd_write(p->cmd, &one, path, p->map.info.data_format, &meta, NULL);
 	bake_image_free(&one);
 	return ok;
 }
@@ -47,8 +47,8 @@ rebuild_z(struct packed *p, struct bake_image *n)
 		bake_image_copy_channel(&xyz, c, n, c);
 	if (ok) {
 		bake_normal_decode(&xyz, BAKE_NORMAL_CODE_UNSIGNED, false);
-		ok = bake_normal_normalize(&xyz, p->cmd->nthreads, NULL,
-			 &err) == BAKE_OK;
+		ok = bake_normal_normalize(
+			 &xyz, p->cmd->nthreads, NULL, &err) == BAKE_OK;
 	}
 	if (ok) {
 		bake_normal_encode(&xyz, false);
@@ -67,17 +67,18 @@ write_normal(struct packed *p, const char *path, struct bake_relief_meta meta)
 	struct bake_image n = BAKE_IMAGE_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
 	enum bake_normal_y from = cmd->has_normal_y ? cmd->normal_y
-	    : meta.normal_y != BAKE_NORMAL_Y_UNSURE ? meta.normal_y
-						    : BAKE_NORMAL_Y_UP;
+				  : meta.normal_y != BAKE_NORMAL_Y_UNSURE
+				      ? meta.normal_y
+				      : BAKE_NORMAL_Y_UP;
 	bool ok;
 
 	meta.layout = BAKE_LAYOUT_NORMAL;
 	meta.normal_code = BAKE_NORMAL_CODE_UNSIGNED;
 	meta.normal_y = cmd->output_normal_y != BAKE_NORMAL_Y_UNSURE
-	    ? cmd->output_normal_y
-	    : BAKE_NORMAL_Y_UP;
-	if (bake_image_alloc(&n, p->map.img.width, p->map.img.height, 3,
-		&err) != BAKE_OK) {
+			    ? cmd->output_normal_y
+			    : BAKE_NORMAL_Y_UP;
+	if (bake_image_alloc(
+		&n, p->map.img.width, p->map.img.height, 3, &err) != BAKE_OK) {
 		cmd_error(cmd, "%s: %s", path, err.msg);
 		return false;
 	}
@@ -86,7 +87,7 @@ write_normal(struct packed *p, const char *path, struct bake_relief_meta meta)
 	if (from != meta.normal_y)
 		bake_relief_flip(&n, 1);
 	ok = (!p->has_ao || rebuild_z(p, &n)) &&
-	    cmd_write(cmd, &n, path, p->map.info.data_format, &meta, NULL);
+	     cmd_write(cmd, &n, path, p->map.info.data_format, &meta, NULL);
 	bake_image_free(&n);
 	return ok;
 }
@@ -104,8 +105,8 @@ look_at_packed(struct packed *p, bool want_ao)
 	}
 	p->has_ao = m->meta.layout != BAKE_LAYOUT_NORMAL_RELIEF;
 	if (want_ao && !p->has_ao) {
-		cmd_error(p->cmd,
-		    "%s: holds no AO: its blue is the normals' z", m->path);
+		cmd_error(p->cmd, "%s: holds no AO: its blue is the normals' z",
+		    m->path);
 		return false;
 	}
 	return true;
@@ -132,11 +133,12 @@ unpack_file(struct cmd *cmd, const char *in, const struct unpack_outputs *out)
 	meta.layout = BAKE_LAYOUT_AO;
 	if (ok && out->ao != NULL)
 		ok = write_plane(&p, 2, out->ao, meta, false);
-	meta.polarity = out->height ? BAKE_POLARITY_HEIGHT
-				    : BAKE_POLARITY_DEPTH;
+	meta.polarity =
+	    out->height ? BAKE_POLARITY_HEIGHT : BAKE_POLARITY_DEPTH;
 	meta.layout = BAKE_LAYOUT_DEPTH;
 	if (ok && out->depth != NULL)
-		ok = write_plane(&p, 3, out->depth, meta, height != out->height);
+		ok =
+		    write_plane(&p, 3, out->depth, meta, height != out->height);
 	cmd_map_free(&p.map);
 	return ok;
 }

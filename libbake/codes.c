@@ -5,7 +5,8 @@
 const char *
 bake_data_format_name(enum bake_data_format format)
 {
-	static const char *const names[] = {"uint8", "uint16", "half", "float"};
+	static const char *const names[] = { "uint8", "uint16", "half",
+		"float" };
 
 	return names[format];
 }

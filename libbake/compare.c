@@ -100,7 +100,7 @@ bake_compare(const struct bake_image *a, const struct bake_image *b,
 {
 	enum bake_status rc;
 
-	*out = (struct bake_comparison){.nchans = 0};
+	*out = (struct bake_comparison){ .nchans = 0 };
 	if ((rc = check(a, b, code_max, tolerance, err)) != BAKE_OK)
 		return rc;
 	out->nchans = a->nchans;
@@ -112,7 +112,7 @@ bake_compare(const struct bake_image *a, const struct bake_image *b,
 
 		for (int x = 0; x < a->width; x++) {
 			for (int c = 0; c < a->nchans; c++, u++, v++) {
-				const int place[3] = {x, y, c};
+				const int place[3] = { x, y, c };
 				double d = difference(*u, *v, code_max);
 
 				if (d == 0)

@@ -30,20 +30,20 @@ struct step {
 
 static const float any = 1e30f;
 static const struct step schedule[] = {
-    {1, 4.01f, 9.0f, any},
-    {1, 4.01f, 9.0f, any},
-    {2, 4.01f, 2.0f, any},
-    {2, 4.01f, 2.0f, any},
-    {4, 4.01f, 2.0f, any},
-    {4, 4.01f, 2.0f, any},
-    {8, 4.01f, 2.0f, any},
-    {8, 4.01f, 2.0f, any},
-    {16, 4.01f, 3.0f, 8.01f},
-    {16, 4.01f, 3.0f, 8.01f},
-    {8, 4.01f, 2.0f, any},
-    {4, 4.01f, 2.0f, any},
-    {2, 4.01f, 2.0f, any},
-    {1, 4.01f, 2.0f, any},
+	{ 1, 4.01f, 9.0f, any },
+	{ 1, 4.01f, 9.0f, any },
+	{ 2, 4.01f, 2.0f, any },
+	{ 2, 4.01f, 2.0f, any },
+	{ 4, 4.01f, 2.0f, any },
+	{ 4, 4.01f, 2.0f, any },
+	{ 8, 4.01f, 2.0f, any },
+	{ 8, 4.01f, 2.0f, any },
+	{ 16, 4.01f, 3.0f, 8.01f },
+	{ 16, 4.01f, 3.0f, 8.01f },
+	{ 8, 4.01f, 2.0f, any },
+	{ 4, 4.01f, 2.0f, any },
+	{ 2, 4.01f, 2.0f, any },
+	{ 1, 4.01f, 2.0f, any },
 };
 
 /* The five texels of a difference, each the first of a run of n. */
@@ -180,9 +180,9 @@ bake_dequantize(struct bake_image *img, int code_max, struct bake_wrap wrap,
 		goto out;
 	copy_image(&v, img);
 	for (int i = 0; i < NSTEPS; i++) {
-		const struct step s = {schedule[i].spacing,
-		    schedule[i].bend_v * code, schedule[i].bend_u * code,
-		    schedule[i].span * code};
+		const struct step s = { schedule[i].spacing,
+			schedule[i].bend_v * code, schedule[i].bend_u * code,
+			schedule[i].span * code };
 
 		step_image(out, u, &v, &s, wrap, 0.5f * code, nt);
 		t = u;

@@ -78,9 +78,9 @@ bake_detect(const struct bake_image *normal, const struct bake_image *relief,
 	enum bake_status rc;
 	int n;
 
-	*out = (struct bake_detection){.depth_scale = NAN,
-	    .depth_scale_low = NAN,
-	    .depth_scale_high = NAN};
+	*out = (struct bake_detection){ .depth_scale = NAN,
+		.depth_scale_low = NAN,
+		.depth_scale_high = NAN };
 	if ((rc = check_maps(normal, relief, err)) != BAKE_OK)
 		return rc;
 	if (normal == NULL)

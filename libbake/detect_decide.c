@@ -53,7 +53,7 @@ speaks_against(const struct bake_evidence *e, int verdict)
 static struct bake_evidence
 strongest(const struct bake_evidence *const *e, int n, double least)
 {
-	struct bake_evidence best = {.chance = 1};
+	struct bake_evidence best = { .chance = 1 };
 	int nspeak = 0;
 
 	for (int k = 0; k < n; k++) {
@@ -233,8 +233,8 @@ decide_scale(struct bake_detection *out, const struct detect_result *result,
 }
 
 void
-bake_detect_decide(struct bake_detection *out, const struct detect_result *result,
-    int n, int width)
+bake_detect_decide(struct bake_detection *out,
+    const struct detect_result *result, int n, int width)
 {
 	decide_pair(out, result, n);
 	decide_curl(out, result, n);

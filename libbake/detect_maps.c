@@ -13,7 +13,7 @@ bake_channel_range(
 	double lo = INFINITY, hi = -INFINITY, sum = 0;
 	size_t count = 0;
 
-	*out = (struct bake_channel_range){0};
+	*out = (struct bake_channel_range){ 0 };
 	for (int y = 0; y < img->height; y++) {
 		const float *row = bake_image_row(img, y) + chan;
 		double row_sum = 0;
@@ -49,7 +49,7 @@ bake_normal_stats(const struct bake_image *normal,
 	size_t noutside = 0, nnegative = 0, n = 0;
 	int nchans = normal->nchans;
 
-	*out = (struct bake_normal_stats){NAN, NAN, NAN, NAN, NAN, 0};
+	*out = (struct bake_normal_stats){ NAN, NAN, NAN, NAN, NAN, 0 };
 	if (nchans != 2 && nchans != 3)
 		return bake_fail(err, BAKE_EINVAL,
 		    "a normal map has 2 or 3 channels, this one has %d",
@@ -147,12 +147,12 @@ enum bake_status
 bake_seams(const struct bake_image *img, int first_chan, int nchans,
     struct bake_seams *out, struct bake_err *err)
 {
-	struct steps u = {NULL, NULL, img->width};
-	struct steps v = {NULL, NULL, img->height};
+	struct steps u = { NULL, NULL, img->width };
+	struct steps v = { NULL, NULL, img->height };
 	size_t w = (size_t)img->width, h = (size_t)img->height;
 	enum bake_status rc = BAKE_ENOMEM;
 
-	*out = (struct bake_seams){NAN, NAN, NAN, NAN};
+	*out = (struct bake_seams){ NAN, NAN, NAN, NAN };
 	if ((u.sum = bake_zalloc(w, sizeof *u.sum, err)) == NULL ||
 	    (u.count = bake_zalloc(w, sizeof *u.count, err)) == NULL ||
 	    (v.sum = bake_zalloc(h, sizeof *v.sum, err)) == NULL ||

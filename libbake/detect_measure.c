@@ -15,12 +15,12 @@
  * 5 % up to t = pi / 2; the blur leaves little above.
  */
 enum { TAPS = 5, MARGIN = TAPS / 2 };
-static const float binomial[TAPS] = {
-    1 / 16.0f, 4 / 16.0f, 6 / 16.0f, 4 / 16.0f, 1 / 16.0f};
-static const float simpson[TAPS] = {
-    1 / 24.0f, 6 / 24.0f, 10 / 24.0f, 6 / 24.0f, 1 / 24.0f};
-static const float difference[TAPS] = {
-    -1 / 8.0f, -2 / 8.0f, 0, 2 / 8.0f, 1 / 8.0f};
+static const float binomial[TAPS] = { 1 / 16.0f, 4 / 16.0f, 6 / 16.0f,
+	4 / 16.0f, 1 / 16.0f };
+static const float simpson[TAPS] = { 1 / 24.0f, 6 / 24.0f, 10 / 24.0f,
+	6 / 24.0f, 1 / 24.0f };
+static const float difference[TAPS] = { -1 / 8.0f, -2 / 8.0f, 0, 2 / 8.0f,
+	1 / 8.0f };
 
 /* line[x] = column x's rows y .. y + 4 of src, weighted by down. */
 static void
@@ -142,13 +142,13 @@ enum bake_status
 bake_detect_scale_measure(struct detect_result *out,
     const struct detect_scale *scale, struct bake_err *err)
 {
-	struct detect_fields fields = {
-	    scale->width - 2 * MARGIN, scale->height - 2 * MARGIN, {NULL}};
+	struct detect_fields fields = { scale->width - 2 * MARGIN,
+		scale->height - 2 * MARGIN, { NULL } };
 	size_t n = (size_t)fields.width * (size_t)fields.height;
 	float *line = bake_alloc((size_t)scale->width, sizeof *line, err);
 	enum bake_status rc = line != NULL ? BAKE_OK : BAKE_ENOMEM;
 
-	*out = (struct detect_result){.texels = scale->texels};
+	*out = (struct detect_result){ .texels = scale->texels };
 	for (int i = 0; i < 4; i++) {
 		fields.f[i] = bake_alloc(n, sizeof *fields.f[i], err);
 		if (fields.f[i] == NULL)
@@ -161,8 +161,9 @@ bake_detect_scale_measure(struct detect_result *out,
 
 		convolve(fields.f[2], scale->p, scale, line, simpson, binomial);
 		convolve(fields.f[3], scale->q, scale, line, binomial, simpson);
-		out->slope_energy = energy(
-		    bake_detect_measure(&e, &fields, 2, 3, DETECT_CORR), &fields);
+		out->slope_energy =
+		    energy(bake_detect_measure(&e, &fields, 2, 3, DETECT_CORR),
+			&fields);
 		if (scale->v != NULL)
 			measure_pair(out, &fields, scale, line);
 		measure_curl(out, &fields, scale, line);

@@ -11,8 +11,8 @@
 static const float slope_max = 5.0f;
 
 enum bake_status
-bake_detect_scale_alloc(struct detect_scale *s, int width, int height, bool normals,
-    bool relief, struct bake_err *err)
+bake_detect_scale_alloc(struct detect_scale *s, int width, int height,
+    bool normals, bool relief, struct bake_err *err)
 {
 	size_t n;
 
@@ -157,7 +157,7 @@ bake_detect_scale_load(struct detect_scale *s, const struct bake_image *normal,
     const struct bake_image *relief, struct bake_err *err)
 {
 	const struct bake_image *any = normal != NULL ? normal : relief;
-	struct axis u = {any->width, 0}, v = {any->height, 0};
+	struct axis u = { any->width, 0 }, v = { any->height, 0 };
 	enum bake_status rc;
 
 	choose_axes(&u, &v);
@@ -182,7 +182,7 @@ bake_detect_scale_load(struct detect_scale *s, const struct bake_image *normal,
 
 /* Taps at 2x - 1 .. 2x + 2 for texel x. A 2x2 box would let a fine regular
  * pattern through as a coarse one with its slopes reversed. */
-static const float tent[4] = {0.125f, 0.375f, 0.375f, 0.125f};
+static const float tent[4] = { 0.125f, 0.375f, 0.375f, 0.125f };
 
 static void
 halve_plane(float *dst, const float *src, int width, int height, int src_width,
@@ -214,8 +214,8 @@ halve_plane(float *dst, const float *src, int width, int height, int src_width,
 }
 
 enum bake_status
-bake_detect_scale_halve(struct detect_scale *coarse, const struct detect_scale *fine,
-    struct bake_err *err)
+bake_detect_scale_halve(struct detect_scale *coarse,
+    const struct detect_scale *fine, struct bake_err *err)
 {
 	enum bake_status rc;
 	int w = fine->width / 2, h = fine->height / 2;

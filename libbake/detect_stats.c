@@ -28,7 +28,7 @@ sums_add(struct detect_sums a, struct detect_sums b, double sign)
 static struct detect_sums
 block_sums(const struct detect_fields *fields, int i, int j, const int rect[4])
 {
-	struct detect_sums s = {0, 0, 0};
+	struct detect_sums s = { 0, 0, 0 };
 
 	for (int y = rect[1]; y < rect[3]; y++) {
 		size_t row = (size_t)y * (size_t)fields->width;
@@ -60,11 +60,11 @@ all_blocks(struct detect_sums block[NBLOCKS],
 
 	for (int y = 0; y < ny; y++) {
 		for (int x = 0; x < nx; x++) {
-			const int rect[4] = {
-			    (int)((long)fields->width * x / nx),
-			    (int)((long)fields->height * y / ny),
-			    (int)((long)fields->width * (x + 1) / nx),
-			    (int)((long)fields->height * (y + 1) / ny)};
+			const int rect[4] = { (int)((long)fields->width * x /
+						    nx),
+				(int)((long)fields->height * y / ny),
+				(int)((long)fields->width * (x + 1) / nx),
+				(int)((long)fields->height * (y + 1) / ny) };
 
 			block[y * nx + x] = block_sums(fields, i, j, rect);
 		}
@@ -92,14 +92,14 @@ jackknife(const struct detect_sums *block, int n, struct detect_sums all,
 }
 
 struct detect_sums
-bake_detect_measure(struct bake_evidence *ev, const struct detect_fields *fields,
-    int i, int j, enum detect_kind kind)
+bake_detect_measure(struct bake_evidence *ev,
+    const struct detect_fields *fields, int i, int j, enum detect_kind kind)
 {
-	struct detect_sums block[NBLOCKS], all = {0, 0, 0};
+	struct detect_sums block[NBLOCKS], all = { 0, 0, 0 };
 	int n = all_blocks(block, fields, i, j);
 	double same = 0, weight = 0, error;
 
-	*ev = (struct bake_evidence){.chance = 1, .blocks = n};
+	*ev = (struct bake_evidence){ .chance = 1, .blocks = n };
 	for (int b = 0; b < n; b++)
 		all = sums_add(all, block[b], 1);
 	ev->value = bake_detect_value(all, kind);
@@ -174,7 +174,7 @@ bake_detect_chance(
 	if (w < 2 || h < 2)
 		return;
 	step = step < 1 ? 1 : step;
-	here = fabs(shifted(fields, i, j, (const int[2]){0, 0}, step));
+	here = fabs(shifted(fields, i, j, (const int[2]){ 0, 0 }, step));
 	for (int k = 0; k < NSHIFTS; k++) {
 		int shift[2];
 

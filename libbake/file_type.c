@@ -5,17 +5,17 @@
 
 #include "io_image.h"
 
-static const char *const type_names[] = {"png", "tga", "tiff", "exr"};
+static const char *const type_names[] = { "png", "tga", "tiff", "exr" };
 
 static const struct {
 	const char *ext;
 	enum bake_file_type type;
 } extensions[] = {
-    {"png", BAKE_FILE_PNG},
-    {"tga", BAKE_FILE_TGA},
-    {"tif", BAKE_FILE_TIFF},
-    {"tiff", BAKE_FILE_TIFF},
-    {"exr", BAKE_FILE_EXR},
+	{ "png", BAKE_FILE_PNG },
+	{ "tga", BAKE_FILE_TGA },
+	{ "tif", BAKE_FILE_TIFF },
+	{ "tiff", BAKE_FILE_TIFF },
+	{ "exr", BAKE_FILE_EXR },
 };
 
 bool

@@ -6,6 +6,9 @@
 
 static const double pi = 3.14159265358979323846;
 
+/* Fractions of a texel below this are none; a slope changes by as much. */
+#define SNAP 1e-9
+
 void
 bake_horizon_dir_init(struct bake_horizon_dir *dir, int j, int n, int width,
     int height, double radius, int periods)
@@ -40,6 +43,14 @@ bake_horizon_step(const struct bake_horizon_dir *dir, long k)
 	double minor = (double)k * dir->minor, whole = floor(minor);
 	double frac = minor - whole, dist = (double)k * dir->pitch;
 
+	/* a sample within rounding of a texel is at the texel: the tables of
+	 * the fast march then hold all texels that have a weight */
+	if (frac > 1 - SNAP) {
+		whole++;
+		frac = 0;
+	} else if (frac < SNAP) {
+		frac = 0;
+	}
 	st.dx = dir->x_major ? k * dir->major : (long)whole;
 	st.dy = dir->x_major ? (long)whole : k * dir->major;
 	st.w0 = (float)((1 - frac) / dist);

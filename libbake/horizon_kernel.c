@@ -2,29 +2,18 @@
 /* SPDX-License-Identifier: MIT */
 #define BAKE_VEC_256 /* a packet's row is 8 texels */
 #include <limits.h>
+#include <string.h>
 
 #include "horizon_priv.h"
 #include "isa.h"
 #include "vec_priv.h"
 
-#ifndef SEG
-#define SEG 8
-#define GROW 2
-#endif
-enum { SEGMENT = SEG };
+enum { SEGMENT = 8 }; /* most chunks that are tested before one is marched */
 enum { WHOLE_PACKET = 3 }; /* rows from which a packet is cheaper */
 enum { NVECS = BAKE_PACKET_WIDTH / VEC_LANES }; /* vectors in a row */
 
-#ifdef HZ_COUNT
-long hz_useful, hz_tests, hz_evals, hz_hits, hz_marched, hz_packets;
-#define COUNT(x) (x)
-#else
-#define COUNT(x) (void)0
-#endif
-
-#ifndef INLINE
 #define INLINE inline __attribute__((always_inline))
-#endif
+
 struct march {
 	const struct bake_horizon *hz;
 	int x0, y0;
@@ -221,7 +210,6 @@ bound_packets(struct march *m, float from, float to)
 
 		if (!(m->alive >> p & 1))
 			continue;
-		COUNT(hz_evals++);
 		/* an older bound, at a smaller distance, holds as well */
 		a = m->raised >> p & 1 ? packet_bound(m, p, from) : m->ahead[p];
 		if (a >= m->hz->highest) {
@@ -263,8 +251,6 @@ march_hits(const struct march *m, long c, const struct spot *spot,
 		const int p = __builtin_ctz(hits);
 		unsigned rows = packet_hit(m, p, c, spot);
 
-		COUNT(hz_hits++);
-		COUNT(hz_marched += __builtin_popcount(rows));
 		if (__builtin_popcount(rows) >= WHOLE_PACKET) {
 			march_packet(
 			    m, &m->hz->chunks[c], spot->texels, p, x_major);
@@ -310,7 +296,7 @@ static inline __attribute__((always_inline)) void
 march_strip(struct march *m, const bool x_major)
 {
 	const struct bake_horizon *hz = m->hz;
-	long c = 0, length = LEN0;
+	long c = 0, length = 1;
 
 	for (; c < 1 && c < hz->nchunks; c++) {
 		const struct spot spot = find_spot(m, c);
@@ -336,7 +322,6 @@ march_strip(struct march *m, const bool x_major)
 			    (hz->places[c + i].reach - from) * (1 - 0x1p-18f));
 			any |= hits[i];
 			m->raised |= hits[i];
-			COUNT(hz_tests++);
 		}
 		for (int i = 0; any != 0 && c < end; i++, c++)
 			if (c < hz->nexact)
@@ -344,9 +329,8 @@ march_strip(struct march *m, const bool x_major)
 			else
 				march_far(m, c, &spots[i], hits[i]);
 		c = end;
-		length = length * GROW < SEGMENT ? GROW * length : SEGMENT;
+		length = length < SEGMENT ? 2 * length : SEGMENT;
 	}
-	COUNT(hz_packets += BAKE_STRIP_PACKETS);
 }
 
 void
@@ -420,7 +404,8 @@ sample_at(const struct far_taps *taps, const float *p)
 	vec_f high = vec_load(p + taps->rel[0]);
 
 	for (int i = 1; i < BAKE_CHUNK; i++)
-		high = vec_max(vec_load(p + taps->rel[i] + taps->near[i]), high);
+		high =
+		    vec_max(vec_load(p + taps->rel[i] + taps->near[i]), high);
 	return high;
 }
 
@@ -457,4 +442,55 @@ BAKE_KERNEL(bake_horizon_far_row)(const struct bake_horizon *hz, int y)
 		for (int i = 0; x + i < n; i++)
 			out[x + i] = rest[i];
 	}
+}
+
+/* dst(x) = max of src(x) and src(x + add) for one row of windows; beyond the
+ * last origin windows are cut short, and not used. */
+static void
+widen_row(float *dst, const float *src, size_t stride, int add)
+{
+	for (int p = 0; p < BAKE_WINDOW_PHASES; p++) {
+		const size_t skip = (size_t)(p + add) / BAKE_WINDOW_PHASES;
+		const float *a = src + (size_t)p * stride;
+		const float *b =
+		    src + (size_t)(p + add) % BAKE_WINDOW_PHASES * stride +
+		    skip;
+		float *out = dst + (size_t)p * stride;
+
+		for (size_t i = 0; i < stride - skip; i++)
+			out[i] = a[i] > b[i] ? a[i] : b[i];
+		for (size_t i = stride - skip; i < stride; i++)
+			out[i] = a[i];
+	}
+}
+
+void
+BAKE_KERNEL(bake_horizon_windows_row)(
+    const struct bake_horizon *hz, int y2, float *scratch)
+{
+	const size_t stride = hz->windows.stride;
+	const size_t n = stride * BAKE_WINDOW_PHASES;
+	float *from = scratch, *to = scratch + n;
+	int last = 1;
+
+	memcpy(
+	    from, bake_horizon_window_row(&hz->blocks, y2), n * sizeof *from);
+	for (int i = 1; i < hz->rows; i++) {
+		const float *src = bake_horizon_window_row(&hz->blocks, y2 + i);
+
+		for (size_t x = 0; x < n; x++)
+			from[x] = src[x] > from[x] ? src[x] : from[x];
+	}
+	/* windows of 2, 4, 8 columns and then two that overlap */
+	while (last < hz->columns) {
+		int add = last < hz->columns - last ? last : hz->columns - last;
+		float *t = from;
+
+		widen_row(to, from, stride, add);
+		from = to;
+		to = t;
+		last += add;
+	}
+	memcpy(
+	    bake_horizon_window_row(&hz->windows, y2), from, n * sizeof *from);
 }

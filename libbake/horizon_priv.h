@@ -57,7 +57,7 @@ struct bake_horizon_step bake_horizon_step(
 static inline float
 bake_horizon_height(float depth)
 {
-	float h = depth > -1e30f ? depth < 1e30f ? depth : 1e30f : -1e30f;
+	float h = depth > -1e28f ? depth < 1e28f ? depth : 1e28f : -1e28f;
 
 	/* below 1e-20 weights times differences could become denormal and
 	 * round differently in a bound than in a sample */
@@ -105,8 +105,8 @@ enum {
 struct bake_horizon_chunk {
 	int rel[BAKE_CHUNK];
 	float w0[BAKE_CHUNK], w1[BAKE_CHUNK];
-	/* the far field's one sample instead of all: where it is in 'far',
-	 * and 1 / distance of the chunk's middle */
+	/* where the chunk's entry in 'far' is, relative as rel; and, where
+	 * it stands for all samples, 1 / its distance */
 	int far_rel;
 	float far_weight;
 };
@@ -130,6 +130,13 @@ struct bake_horizon_windows {
 	size_t stride;
 };
 enum { BAKE_WINDOW_PHASES = 4 };
+
+/* The row of windows with origins on row 2 y2 of the border. */
+static inline float *
+bake_horizon_window_row(const struct bake_horizon_windows *w, int y2)
+{
+	return w->data + (size_t)y2 * BAKE_WINDOW_PHASES * w->stride;
+}
 
 /* How far samples are looked at one by one; see enum bake_ao_quality. */
 enum bake_horizon_far {
@@ -163,8 +170,11 @@ struct bake_horizon {
 	int columns, rows;
 	struct bake_horizon_windows blocks; /* 2 x 2 texels each */
 	float *scratch;                     /* [nthreads] rows of windows */
-	/* the highest of a chunk's samples whose first is exactly at a texel,
-	 * for all of the map and its border; NULL for exact */
+	/* of the direction and each texel of the map and its border. Exact:
+	 * the highest texel that a chunk's samples can touch when its first
+	 * is between the texel and its neighbour on the minor axis. Else: the
+	 * highest of the texels nearest to the samples when the first is at
+	 * the texel itself. Laid out as padded. */
 	float *far;
 	struct bake_horizon_step far_steps[BAKE_CHUNK];
 };
@@ -194,6 +204,15 @@ void bake_horizon_aim(struct bake_horizon *hz, int j, int n);
  */
 void bake_horizon_tile(const struct bake_horizon *hz, int x0, int y0,
     float slopes[BAKE_TILE_TEXELS]);
+
+/* The windows with origins on row 2 y2 of the border, from the blocks;
+ * scratch: two rows. */
+void bake_horizon_windows_row_baseline(
+    const struct bake_horizon *hz, int y2, float *scratch);
+void bake_horizon_windows_row_avx2(
+    const struct bake_horizon *hz, int y2, float *scratch);
+void bake_horizon_windows_row_avx512(
+    const struct bake_horizon *hz, int y2, float *scratch);
 
 /* Row y of the far field, -top <= y < padded_height - top. */
 void bake_horizon_far_row_baseline(const struct bake_horizon *hz, int y);

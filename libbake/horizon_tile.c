@@ -4,10 +4,12 @@
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "horizon_priv.h"
 #include "mem.h"
+
+/* so that a chunk's offsets, 10 rows at most, fit an int */
+enum { SIDE_MAX = 1 << 27 };
 
 /*
  * Border widths. A strip reads at most 64 + 9 columns and 4 + 9 rows from a
@@ -16,6 +18,9 @@
  * Windows reach a few texels further. All are even, for the 2 x 2 blocks.
  */
 enum { BORDER_X = 80, BORDER_Y = 16, BEYOND_X = 80, BEYOND_Y = 18 };
+
+/* As much below a texel counts as at it: see bake_horizon_step. */
+#define FLOOR_SNAP 1e-9
 
 /* Where in its 8 steps the far field's highest sample is put, 0 .. 7. */
 #define FAR_PLACE 4.25
@@ -33,13 +38,14 @@ make_heights(struct bake_horizon *hz, const struct bake_image *depth,
 	const int width = depth->width, height = depth->height;
 	struct bake_image padded;
 	enum bake_status rc;
-	float highest = -1e30f, largest = 0;
+	float highest = -1e28f, largest = 0;
 
 	hz->left = hz->wrap.clamp_u ? BORDER_X : 0;
 	hz->top = hz->wrap.clamp_v ? BORDER_Y : 0;
-	if (width > INT_MAX - 2 * BEYOND_X || height > INT_MAX - 2 * BEYOND_Y)
-		return bake_fail(err, BAKE_ENOMEM,
-		    "%dx%d texels do not fit in memory", width, height);
+	if (width > SIDE_MAX || height > SIDE_MAX)
+		return bake_fail(err, BAKE_EINVAL,
+		    "%dx%d texels, expected at most %d a side", width, height,
+		    SIDE_MAX);
 	hz->padded_width = hz->left + width + BEYOND_X + width % 2;
 	hz->padded_height = hz->top + height + BEYOND_Y + height % 2;
 	if ((rc = bake_image_alloc(&padded, hz->padded_width, hz->padded_height,
@@ -77,12 +83,6 @@ make_heights(struct bake_horizon *hz, const struct bake_image *depth,
 	return BAKE_OK;
 }
 
-static float *
-window_row(const struct bake_horizon_windows *w, int y2)
-{
-	return w->data + (size_t)y2 * BAKE_WINDOW_PHASES * w->stride;
-}
-
 /* Row y2 of the blocks; the unused end of a phase repeats its last block. */
 static void
 make_block_row(const struct bake_horizon *hz, int y2)
@@ -92,7 +92,7 @@ make_block_row(const struct bake_horizon *hz, int y2)
 	const float *a =
 	    hz->padded + (size_t)(2 * y2) * (size_t)hz->padded_width;
 	const float *b = a + hz->padded_width;
-	float *out = window_row(&hz->blocks, y2);
+	float *out = bake_horizon_window_row(&hz->blocks, y2);
 
 	for (size_t i = 0; i < stride; i++)
 		for (int p = 0; p < BAKE_WINDOW_PHASES; p++) {
@@ -104,55 +104,6 @@ make_block_row(const struct bake_horizon *hz, int y2)
 			v = b[x] > b[x + 1] ? b[x] : b[x + 1];
 			out[(size_t)p * stride + i] = u > v ? u : v;
 		}
-}
-
-/* dst(x) = max of src(x) and src(x + add) for one row of windows; beyond the
- * last origin windows are cut short, and not used. */
-static void
-widen_row(float *dst, const float *src, size_t stride, int add)
-{
-	for (int p = 0; p < BAKE_WINDOW_PHASES; p++) {
-		const size_t skip = (size_t)(p + add) / BAKE_WINDOW_PHASES;
-		const float *a = src + (size_t)p * stride;
-		const float *b =
-		    src + (size_t)(p + add) % BAKE_WINDOW_PHASES * stride +
-		    skip;
-		float *out = dst + (size_t)p * stride;
-
-		for (size_t i = 0; i < stride - skip; i++)
-			out[i] = a[i] > b[i] ? a[i] : b[i];
-		for (size_t i = stride - skip; i < stride; i++)
-			out[i] = a[i];
-	}
-}
-
-/* The windows whose origin is on padded row 2 y2. scratch: two rows. */
-static void
-make_window_row(const struct bake_horizon *hz, int y2, float *scratch)
-{
-	const size_t stride = hz->windows.stride;
-	const size_t n = stride * BAKE_WINDOW_PHASES;
-	float *from = scratch, *to = scratch + n;
-	int last = 1;
-
-	memcpy(from, window_row(&hz->blocks, y2), n * sizeof *from);
-	for (int i = 1; i < hz->rows; i++) {
-		const float *src = window_row(&hz->blocks, y2 + i);
-
-		for (size_t x = 0; x < n; x++)
-			from[x] = src[x] > from[x] ? src[x] : from[x];
-	}
-	/* windows of 2, 4, 8 columns and then two that overlap */
-	while (last < hz->columns) {
-		int add = last < hz->columns - last ? last : hz->columns - last;
-		float *t = from;
-
-		widen_row(to, from, stride, add);
-		from = to;
-		to = t;
-		last += add;
-	}
-	memcpy(window_row(&hz->windows, y2), from, n * sizeof *from);
 }
 
 /* the lowest row that a strip's chunk starts in is H */
@@ -183,8 +134,9 @@ make_chunk(const struct bake_horizon *hz, long c)
 	const long stride = (long)hz->heights.row_stride;
 	const long first = c * BAKE_CHUNK + 1;
 	const double middle = (double)first + FAR_PLACE;
-	const long minor = (long)floor(
-	    (double)first * hz->dir.minor + (hz->nexact == LONG_MAX ? 0 : 0.5));
+	const long minor =
+	    (long)floor((double)first * hz->dir.minor +
+			(hz->nexact == LONG_MAX ? FLOOR_SNAP : 0.5));
 	long x = LONG_MAX, y = LONG_MAX;
 
 	for (int i = 0; i < BAKE_CHUNK; i++) {
@@ -240,11 +192,12 @@ set_direction(struct bake_horizon *hz, int j, int n)
 	    2;
 	for (int i = 0; i < BAKE_CHUNK; i++) {
 		struct bake_horizon_step *st = &hz->far_steps[i];
-		double whole = floor(i * hz->dir.minor);
+		const double minor_at = i * hz->dir.minor;
+		const double whole = floor(minor_at + FLOOR_SNAP);
 
 		st->dx = hz->dir.x_major ? i * hz->dir.major : (long)whole;
 		st->dy = hz->dir.x_major ? (long)whole : i * hz->dir.major;
-		st->w1 = (float)(i * hz->dir.minor - whole);
+		st->w1 = (float)fmax(0, minor_at - whole);
 		st->w0 = 1 - st->w1;
 	}
 }
@@ -254,6 +207,8 @@ bake_horizon_aim(struct bake_horizon *hz, int j, int n)
 {
 	static void (*const far_row[])(const struct bake_horizon *, int) =
 	    BAKE_KERNEL_TABLE(bake_horizon_far_row);
+	static void (*const windows_row[])(const struct bake_horizon *, int,
+	    float *) = BAKE_KERNEL_TABLE(bake_horizon_windows_row);
 	const size_t scratch = 2 * BAKE_WINDOW_PHASES * hz->windows.stride;
 
 #pragma omp single
@@ -263,7 +218,7 @@ bake_horizon_aim(struct bake_horizon *hz, int j, int n)
 		make_chunk(hz, c);
 #pragma omp for schedule(static) nowait
 	for (int y2 = 0; y2 < window_nrows(hz); y2++)
-		make_window_row(hz, y2,
+		windows_row[hz->isa](hz, y2,
 		    hz->scratch + scratch * (size_t)omp_get_thread_num());
 #pragma omp for schedule(static) nowait
 	for (int y = 0; y < hz->padded_height; y++)

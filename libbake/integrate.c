@@ -65,7 +65,7 @@ axis_init(struct axis *a, int n, bool clamp, enum bake_slope_op op,
 	const double pi = 3.14159265358979323846;
 	const size_t count = (size_t)n;
 
-	*a = (struct axis){.n = n};
+	*a = (struct axis){ .n = n };
 	a->partner = bake_alloc(count, sizeof *a->partner, err);
 	a->d = bake_alloc(count, sizeof *a->d, err);
 	a->smooth = bake_alloc(count, sizeof *a->smooth, err);
@@ -287,7 +287,7 @@ bake_integrate(const struct bake_image *normal,
 {
 	const int w = normal->width, h = normal->height;
 	const int nt = bake_threads(params->nthreads);
-	struct axis ax = {0}, ay = {0};
+	struct axis ax = { 0 }, ay = { 0 };
 	double *p = NULL, *q = NULL, *scratch = NULL;
 	size_t count, texels;
 	enum bake_status rc;
@@ -337,7 +337,7 @@ bake_depth_from_normal(const struct bake_image *normal, struct bake_wrap wrap,
     enum bake_slope_op op, int nthreads, struct bake_image *height,
     struct bake_err *err)
 {
-	const struct bake_integrate_params params = {wrap, op, 0, nthreads};
+	const struct bake_integrate_params params = { wrap, op, 0, nthreads };
 
 	return bake_integrate(normal, &params, height, NULL, err);
 }

@@ -18,7 +18,7 @@ struct bake_integrate_params {
 };
 #define BAKE_INTEGRATE_PARAMS_DEFAULT                                          \
 	{                                                                      \
-		{false, false}, BAKE_SLOPE_CENTRAL, 0, 0                       \
+		{ false, false }, BAKE_SLOPE_CENTRAL, 0, 0                     \
 	}
 
 /*

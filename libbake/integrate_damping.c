@@ -18,10 +18,11 @@ mean_chord2(const struct bake_image *a, const struct bake_image *b)
 		double row = 0;
 
 		for (int x = 0; x < a->width; x++, u += 3, v += 3) {
-			double len = sqrt((double)u[0] * u[0] +
-			    (double)u[1] * u[1] + (double)u[2] * u[2]);
-			double dot = (double)u[0] * v[0] +
-			    (double)u[1] * v[1] + (double)u[2] * v[2];
+			double len =
+			    sqrt((double)u[0] * u[0] + (double)u[1] * u[1] +
+				 (double)u[2] * u[2]);
+			double dot = (double)u[0] * v[0] + (double)u[1] * v[1] +
+				     (double)u[2] * v[2];
 
 			if (!(len > 1e-6 && len < 1e6))
 				continue;

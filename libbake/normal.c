@@ -69,9 +69,9 @@ bake_normal_from_depth(const struct bake_image *depth, double depth_scale,
 	for (int y = 0; y < h; y++) {
 		const int yu = bake_wrap_index((long)y - 1, h, wrap.clamp_v);
 		const int yd = bake_wrap_index((long)y + 1, h, wrap.clamp_v);
-		const struct slopes s = {bake_image_row(depth, yu),
-		    bake_image_row(depth, y), bake_image_row(depth, yd),
-		    0.5 * w * depth_scale, op == BAKE_SLOPE_SCHARR};
+		const struct slopes s = { bake_image_row(depth, yu),
+			bake_image_row(depth, y), bake_image_row(depth, yd),
+			0.5 * w * depth_scale, op == BAKE_SLOPE_SCHARR };
 		float *n = bake_image_row(&out, y);
 		const int last = w - 1;
 

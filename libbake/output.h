@@ -34,7 +34,7 @@ struct bake_output {
 };
 #define BAKE_OUTPUT_INIT                                                       \
 	{                                                                      \
-		NULL, NULL, NULL, NULL, false                                        \
+		NULL, NULL, NULL, NULL, false                                  \
 	}
 
 /*

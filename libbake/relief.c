@@ -6,9 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const layout_names[] = {"unknown", "relief", "normal-relief",
-    "normal", "depth", "ao", "orm", "mask", "bent", "horizons"};
-static const char *const wrap_names[] = {"tile", "clamp-u", "clamp-v", "clamp"};
+static const char *const layout_names[] = { "unknown", "relief",
+	"normal-relief", "normal", "depth", "ao", "orm", "mask", "bent",
+	"horizons" };
+static const char *const wrap_names[] = { "tile", "clamp-u", "clamp-v",
+	"clamp" };
 
 const char *
 bake_layout_name(enum bake_layout layout)
@@ -29,8 +31,8 @@ bake_relief_meta_to_attrs(
 		bake_attrs_set(
 		    attrs, "NormalY", bake_normal_y_name(meta->normal_y));
 	if (meta->normal_code != BAKE_NORMAL_CODE_AUTO)
-		bake_attrs_set(
-		    attrs, "NormalCode", bake_normal_code_name(meta->normal_code));
+		bake_attrs_set(attrs, "NormalCode",
+		    bake_normal_code_name(meta->normal_code));
 	if (meta->depth_scale > 0)
 		bake_attrs_set_number(attrs, "DepthScale", meta->depth_scale);
 	if (meta->has_wrap)
@@ -95,19 +97,19 @@ positive(const char *text)
 }
 
 void
-bake_relief_meta_from_attrs(struct bake_relief_meta *meta,
-    const struct bake_attrs *attrs)
+bake_relief_meta_from_attrs(
+    struct bake_relief_meta *meta, const struct bake_attrs *attrs)
 {
 	int wrap = name_index(attrs, "Wrap", wrap_text, 4, -1);
 
 	meta->layout = (enum bake_layout)name_index(attrs, "Layout",
 	    layout_text, sizeof layout_names / sizeof *layout_names, 0);
-	meta->polarity = (enum bake_polarity)name_index(attrs, "Polarity",
-	    polarity_text, 3, 0);
-	meta->normal_y = (enum bake_normal_y)name_index(attrs, "NormalY",
-	    normal_y_text, 3, 0);
-	meta->normal_code = (enum bake_normal_code)name_index(attrs,
-	    "NormalCode", normal_code_text, 3, 0);
+	meta->polarity = (enum bake_polarity)name_index(
+	    attrs, "Polarity", polarity_text, 3, 0);
+	meta->normal_y = (enum bake_normal_y)name_index(
+	    attrs, "NormalY", normal_y_text, 3, 0);
+	meta->normal_code = (enum bake_normal_code)name_index(
+	    attrs, "NormalCode", normal_code_text, 3, 0);
 	meta->depth_scale = positive(bake_attrs_get(attrs, "DepthScale"));
 	meta->has_wrap = wrap >= 0;
 	meta->wrap.clamp_u = wrap >= 0 && (wrap & 1) != 0;

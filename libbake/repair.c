@@ -266,7 +266,7 @@ bake_repair_nonfinite(struct bake_image *img, struct bake_wrap wrap,
     int nthreads, size_t *nrepaired, struct bake_err *err)
 {
 	const int nt = bake_threads(nthreads);
-	struct bad_list bad = {NULL, NULL};
+	struct bad_list bad = { NULL, NULL };
 	enum bake_status rc;
 
 	if (img->data == NULL)

@@ -133,7 +133,7 @@ taps_init(struct taps *t, int n_dst, int n_src, double step, double offset,
 {
 	size_t count;
 
-	*t = (struct taps){0};
+	*t = (struct taps){ 0 };
 	if (step == 0)
 		step = (double)n_src / n_dst;
 	if (!(step > 0 && step <= max_step) || !(fabs(offset) <= max_step))
@@ -281,7 +281,7 @@ bake_resample_mapped(const struct bake_image *src, int width, int height,
 {
 	const int nt = bake_threads(params->nthreads);
 	struct bake_image mid = BAKE_IMAGE_INIT, out = BAKE_IMAGE_INIT;
-	struct taps tx = {0}, ty = {0};
+	struct taps tx = { 0 }, ty = { 0 };
 	float *range = NULL;
 	enum bake_status rc;
 

@@ -44,7 +44,8 @@ struct bake_resample_params {
 };
 #define BAKE_RESAMPLE_PARAMS_DEFAULT                                           \
 	{                                                                      \
-		{false, false}, BAKE_FILTER_CATMULL_ROM, 0, 0, 0, 0, false, 0  \
+		{ false, false }, BAKE_FILTER_CATMULL_ROM, 0, 0, 0, 0, false,  \
+		    0                                                          \
 	}
 
 /*

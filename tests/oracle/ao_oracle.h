@@ -41,9 +41,9 @@ ao_oracle_tan(const struct ao_oracle *o, int j, int x, int y)
 	const double major = fmax(fabs(dx), fabs(dy));
 	const double step_x = dx / major, step_y = dy / major; /* one is +-1 */
 	const double pitch = sqrt(step_x * step_x + step_y * step_y);
-	const long nsteps = o->radius > 0
-	    ? (long)floor(o->radius * o->width / pitch)
-	    : (long)o->periods * (x_major ? o->width : o->height);
+	const long nsteps =
+	    o->radius > 0 ? (long)floor(o->radius * o->width / pitch)
+			  : (long)o->periods * (x_major ? o->width : o->height);
 
 	for (long k = 1; k <= nsteps; k++) {
 		/* the sign alone, so that the major axis stays on texels */
@@ -52,10 +52,10 @@ ao_oracle_tan(const struct ao_oracle *o, int j, int x, int y)
 		long ix = (long)floor(px), iy = (long)floor(py);
 		double f = x_major ? py - iy : px - ix;
 		double h = (1 - f) * ao_oracle_height(o, ix, iy) +
-		    f * ao_oracle_height(o, ix + !x_major, iy + x_major);
+			   f * ao_oracle_height(o, ix + !x_major, iy + x_major);
 
-		best = fmax(best,
-		    (h - ao_oracle_height(o, x, y)) / (k * pitch));
+		best =
+		    fmax(best, (h - ao_oracle_height(o, x, y)) / (k * pitch));
 	}
 	return o->scale * o->width * best;
 }

@@ -1,0 +1,235 @@
+/* Horizons: rays, and the fast march against the plain one, bit for bit. */
+/* SPDX-License-Identifier: MIT */
+#include "check.h"
+#include "horizon_priv.h"
+
+#include <limits.h>
+
+static unsigned
+next_random(unsigned *state)
+{
+	/* a hash of a counter: a linear congruence repeats along columns */
+	unsigned z = *state += 0x9e3779b9u;
+
+	z = (z ^ z >> 16) * 0x85ebca6bu;
+	z = (z ^ z >> 13) * 0xc2b2ae35u;
+	return (z ^ z >> 16) >> 8;
+}
+
+enum kind { NOISE, CODES, SPIKES, WAVES, HOSTILE, NKINDS };
+
+/* White noise; noise of few codes, where many heights are equal; lone spikes;
+ * smooth hills; finite values of any size. */
+static struct bake_image
+make_map(enum kind kind, int width, int height)
+{
+	struct bake_image img = BAKE_IMAGE_INIT;
+	struct bake_err err = BAKE_ERR_INIT;
+	unsigned seed = 11;
+
+	CHECK_OK(bake_image_alloc(&img, width, height, 1, &err), err);
+	for (int i = 0; i < width * height; i++) {
+		unsigned r = next_random(&seed);
+		float u = (float)r / 16777216.0f;
+		float v[NKINDS];
+
+		v[NOISE] = u;
+		v[CODES] = (float)(r % 4) / 3.0f;
+		v[SPIKES] = r % 300 == 0 ? 0 : 1;
+		v[WAVES] = (float)(0.5 + 0.3 * sin(0.11 * (i % width)) +
+				   0.2 * cos(0.07 * (i / width)) + 0.001 * u);
+		v[HOSTILE] = ldexpf(u - 0.5f, (int)(r % 240) - 120);
+		img.data[i] = v[kind];
+	}
+	return img;
+}
+
+struct setup {
+	struct bake_wrap wrap;
+	double radius;
+	int periods, ndirs;
+};
+
+/* The number of texels where tile and plain march differ, all directions. */
+static int
+count_differences(const struct bake_image *depth, const struct setup *s)
+{
+	static float slopes[BAKE_TILE_TEXELS];
+	struct bake_horizon hz;
+	struct bake_err err = BAKE_ERR_INIT;
+	int ndiffer = 0;
+
+	CHECK_OK(bake_horizon_init(&hz, depth, s->wrap, s->radius, s->periods,
+		     BAKE_HORIZON_EXACT, 1, &err),
+	    err);
+	for (int j = 0; j < s->ndirs; j++) {
+		bake_horizon_aim(&hz, j, s->ndirs);
+		for (int t = 0; t < depth->width * depth->height; t++) {
+			int x = t % depth->width, y = t / depth->width;
+			int tx = x % BAKE_TILE_WIDTH;
+			int ty = y % BAKE_TILE_HEIGHT;
+
+			if (tx != 0 || ty != 0)
+				continue;
+			bake_horizon_tile(&hz, x, y, slopes);
+			for (int i = 0; i < BAKE_TILE_TEXELS; i++) {
+				int px = x + i % BAKE_TILE_WIDTH;
+				int py = y + i / BAKE_TILE_WIDTH;
+				float want;
+
+				if (px >= depth->width || py >= depth->height)
+					continue;
+				want = bake_horizon_march(
+				    &hz.heights, s->wrap, &hz.dir, px, py);
+				ndiffer +=
+				    memcmp(&want, &slopes[i], sizeof want) != 0;
+			}
+		}
+	}
+	bake_horizon_free(&hz);
+	return ndiffer;
+}
+
+static void
+fast_march_equals_plain_march(void)
+{
+	static const char *const isas[] = { "baseline", "avx2", "avx512" };
+	static const struct setup setups[] = {
+		{ { false, false }, 0, 1, 10 },
+		{ { true, false }, 0, 1, 7 },
+		{ { false, true }, 0, 1, 7 },
+		{ { true, true }, 0.4, 1, 8 },
+		{ { false, false }, 2.3, 1, 5 },
+	};
+
+	for (int isa = 0; isa < 3; isa++) {
+		setenv("BAKE_ISA", isas[isa], 1);
+		for (int kind = 0; kind < NKINDS; kind++)
+			for (int i = 0; i < 5; i++) {
+				struct bake_image depth =
+				    make_map((enum kind)kind, 90, 61);
+
+				CHECK(
+				    count_differences(&depth, &setups[i]) == 0);
+				bake_image_free(&depth);
+			}
+	}
+	unsetenv("BAKE_ISA");
+}
+
+static void
+fast_march_equals_plain_march_on_odd_sizes(void)
+{
+	static const int sizes[][2] = { { 1, 1 }, { 1, 70 }, { 70, 1 },
+		{ 2, 2 }, { 3, 5 }, { 63, 17 }, { 64, 16 }, { 65, 33 },
+		{ 129, 4 } };
+	struct setup s = { { false, false }, 0, 2, 9 };
+
+	for (int i = 0; i < 9; i++)
+		for (int clamp = 0; clamp < 4; clamp++) {
+			struct bake_image depth =
+			    make_map(NOISE, sizes[i][0], sizes[i][1]);
+
+			s.wrap.clamp_u = clamp & 1;
+			s.wrap.clamp_v = clamp >> 1;
+			CHECK(count_differences(&depth, &s) == 0);
+			bake_image_free(&depth);
+		}
+}
+
+/* Directions 0, 1/4, 1/2 and 3/4 of a turn: right, up, left, down. */
+static void
+axes_have_no_minor_step(void)
+{
+	static const int steps[][3] = { { true, 1 }, { false, -1 },
+		{ true, -1 }, { false, 1 } };
+
+	for (int j = 0; j < 4; j++) {
+		struct bake_horizon_dir dir;
+
+		bake_horizon_dir_init(&dir, j, 4, 100, 60, 0, 2);
+		CHECK(dir.x_major == (steps[j][0] != 0));
+		CHECK(dir.major == steps[j][1]);
+		CHECK(dir.minor == 0 && dir.pitch == 1);
+		CHECK(dir.nsteps == 2 * (dir.x_major ? 100 : 60));
+	}
+}
+
+static void
+samples_are_on_the_ray(void)
+{
+	for (int j = 0; j < 50; j++) {
+		const double phi = 2 * 3.14159265358979323846 * j / 50;
+		struct bake_horizon_dir dir;
+
+		bake_horizon_dir_init(&dir, j, 50, 64, 64, 0, 1);
+		for (long k = 1; k <= 64; k++) {
+			struct bake_horizon_step st =
+			    bake_horizon_step(&dir, k);
+			double dist = 1 / ((double)st.w0 + st.w1);
+			double f = st.w1 * dist;
+
+			/* float weights: 1e-6 of 64 steps */
+			CHECK_NEAR((double)st.dx + (dir.x_major ? 0 : f),
+			    dist * cos(phi), 1e-4);
+			CHECK_NEAR((double)st.dy + (dir.x_major ? f : 0),
+			    -dist * sin(phi), 1e-4);
+			CHECK(st.w0 >= 0 && st.w1 >= 0);
+		}
+	}
+}
+
+static void
+radius_ends_the_ray(void)
+{
+	struct bake_horizon_dir dir;
+
+	bake_horizon_dir_init(&dir, 0, 8, 100, 60, 0.25, 1);
+	CHECK(dir.nsteps == 25);
+	/* 45 degrees: 17 steps are 24.04 texels, 18 are 25.5 */
+	bake_horizon_dir_init(&dir, 1, 8, 100, 60, 0.25, 1);
+	CHECK(dir.nsteps == 17);
+	bake_horizon_dir_init(&dir, 0, 8, 100, 60, 0.001, 1);
+	CHECK(dir.nsteps == 0);
+}
+
+static void
+heights_are_harmless(void)
+{
+	CHECK(bake_horizon_height(0.25f) == -0.25f);
+	CHECK(bake_horizon_height(NAN) == 0);
+	CHECK(bake_horizon_height(INFINITY) == -1e28f);
+	CHECK(bake_horizon_height(-INFINITY) == 1e28f);
+	CHECK(bake_horizon_height(1e-30f) == 0);
+}
+
+static void
+huge_sides_are_refused(void)
+{
+	float texel = 0;
+	struct bake_image depth = { INT_MAX, 1, 1, 1, &texel };
+	struct bake_wrap wrap = { false, false };
+	struct bake_horizon hz;
+	struct bake_err err = BAKE_ERR_INIT;
+
+	CHECK(bake_horizon_init(&hz, &depth, wrap, 0, 1, BAKE_HORIZON_EXACT, 1,
+		  &err) == BAKE_EINVAL);
+	CHECK(err.msg[0] != 0);
+	bake_horizon_free(&hz);
+}
+
+int
+main(int argc, char **argv)
+{
+	static const struct check_case cases[] = {
+		CASE(fast_march_equals_plain_march),
+		CASE(fast_march_equals_plain_march_on_odd_sizes),
+		CASE(axes_have_no_minor_step),
+		CASE(samples_are_on_the_ray),
+		CASE(radius_ends_the_ray),
+		CASE(heights_are_harmless),
+		CASE(huge_sides_are_refused),
+	};
+
+	return check_main(argc, argv, cases, sizeof cases / sizeof *cases);
+}
