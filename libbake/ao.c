@@ -17,7 +17,8 @@
  * after the other, because a tile's part is then one piece of memory. */
 struct sums {
 	float scale; /* slope to tangent */
-	float *sum, *first, *prev;
+	float *sum, *prev;
+	float *first; /* for bent */
 	float *bent[3];
 };
 
@@ -30,10 +31,10 @@ struct bake {
 	const struct bake_ao_result *result;
 	int nthreads;
 	struct bake_horizon horizon;
-	size_t stride; /* of the sums' planes */
-	size_t across, ntiles;
-	struct sums *sums; /* [nscales] */
-	uint64_t *mask;    /* [tile] bit per texel: some slope is above 0 */
+	size_t stride;               /* of the sums' planes */
+	size_t across, down, ntiles; /* tiles, counted row by row */
+	struct sums *sums;           /* [nscales] */
+	uint64_t *mask; /* [tile] bit per texel: some slope is above 0 */
 };
 
 enum { TILE_WORDS = BAKE_TILE_TEXELS / 64 };
@@ -139,13 +140,13 @@ alloc_sums(struct bake *b, struct bake_err *err)
 {
 	const bool bent = b->result->bent != NULL;
 	const bool polygon = b->params->estimator == BAKE_AO_POLYGON;
-	const size_t down = ((size_t)b->depth->height + BAKE_TILE_HEIGHT - 1) /
-			    BAKE_TILE_HEIGHT;
 	size_t ntexels;
 
 	b->across =
 	    ((size_t)b->depth->width + BAKE_TILE_WIDTH - 1) / BAKE_TILE_WIDTH;
-	if (!bake_mul_size(b->across, down, &b->ntiles) ||
+	b->down = ((size_t)b->depth->height + BAKE_TILE_HEIGHT - 1) /
+		  BAKE_TILE_HEIGHT;
+	if (!bake_mul_size(b->across, b->down, &b->ntiles) ||
 	    !bake_mul_size(b->ntiles, BAKE_TILE_TEXELS, &ntexels))
 		return bake_fail(err, BAKE_ENOMEM,
 		    "%dx%d texels do not fit in memory", b->depth->width,
@@ -158,8 +159,7 @@ alloc_sums(struct bake *b, struct bake_err *err)
 		struct sums *s = &b->sums[i];
 		float **const planes[] = { &s->sum, &s->first, &s->prev,
 			&s->bent[0], &s->bent[1], &s->bent[2] };
-		const bool wanted[] = { true, polygon || bent, polygon, bent,
-			bent, bent };
+		const bool wanted[] = { true, bent, polygon, bent, bent, bent };
 
 		s->scale = (float)(b->scales[i] * b->depth->width);
 		for (int p = 0; p < 6; p++)
@@ -213,7 +213,7 @@ add_slopes(const struct bake *b, const struct tile *tile, const float *slopes,
 	static void (*const add[])(const struct bake_ao_add *) =
 	    BAKE_KERNEL_TABLE(bake_ao_add);
 	const struct sums *s = &b->sums[i];
-	const struct bake_ao_add a = {
+	struct bake_ao_add a = {
 		.n = BAKE_TILE_TEXELS,
 		.slopes = slopes,
 		.scale = s->scale,
@@ -224,10 +224,10 @@ add_slopes(const struct bake *b, const struct tile *tile, const float *slopes,
 		.sum = in_tile(s->sum, tile),
 		.first = in_tile(s->first, tile),
 		.prev = in_tile(s->prev, tile),
-		.bent = { in_tile(s->bent[0], tile), in_tile(s->bent[1], tile),
-		    in_tile(s->bent[2], tile) },
 	};
 
+	for (int c = 0; c < 3 && j < b->params->ndirs; c++)
+		a.bent[c] = in_tile(s->bent[c], tile);
 	add[b->horizon.isa](&a);
 }
 
@@ -265,18 +265,15 @@ bake_tile(const struct bake *b, int j, size_t index)
 	    b->mask + index * TILE_WORDS, slopes, BAKE_TILE_TEXELS);
 	for (int i = 0; i < b->nscales; i++) {
 		add_slopes(b, &tile, slopes, i, j);
-		if (b->result->horizons != NULL)
+		if (b->result->horizons != NULL && j < b->params->ndirs)
 			store_horizons(b, &tile, slopes, i, j);
 	}
 }
 
-/* Close the sums of a tile: the last side of the polygon, and the mean. */
 static void
 store_ao(const struct bake *b, const struct tile *tile, int i)
 {
 	const float *sum = in_tile(b->sums[i].sum, tile);
-	const float *first = in_tile(b->sums[i].first, tile);
-	const float *prev = in_tile(b->sums[i].prev, tile);
 	const float n = (float)b->params->ndirs;
 
 	for (int y = 0; y < tile->height; y++) {
@@ -285,11 +282,8 @@ store_ao(const struct bake *b, const struct tile *tile, int i)
 
 		for (int x = 0; x < tile->width; x++) {
 			const int t = y * BAKE_TILE_WIDTH + x;
-			float v = sum[t];
+			const float v = sum[t] / n;
 
-			if (prev != NULL)
-				v += prev[t] * first[t];
-			v /= n;
 			out[x] = v < 1 ? v : 1;
 		}
 	}
@@ -327,19 +321,46 @@ report(const struct bake_progress *progress, double done)
 		progress->report(progress->arg, done);
 }
 
+/*
+ * The tile to bake as number t, 0 <= t < ntiles. A ray's texels are far apart
+ * in memory, so one tile after the other is taken along the ray: the next one
+ * reads what the last one read, which is still in the cache.
+ */
+static size_t
+tile_in_order(const struct bake *b, size_t t)
+{
+	const struct bake_horizon_dir *dir = &b->horizon.dir;
+	const double slope = dir->minor * dir->major;
+	const size_t length = dir->x_major ? b->across : b->down;
+	const size_t breadth = dir->x_major ? b->down : b->across;
+	const size_t along = t % length;
+	const double aspect = dir->x_major
+				  ? (double)BAKE_TILE_WIDTH / BAKE_TILE_HEIGHT
+				  : (double)BAKE_TILE_HEIGHT / BAKE_TILE_WIDTH;
+	const long shift = (long)floor((double)along * slope * aspect);
+	const size_t aside = (size_t)bake_wrap_index(
+	    (long)(t / length) + shift, (int)breadth, false);
+
+	return dir->x_major ? aside * b->across + along
+			    : along * b->across + aside;
+}
+
 static void
 bake_directions(struct bake *b)
 {
 	const int ndirs = b->params->ndirs;
+	/* direction 0 again closes the polygon, which is cheaper than to keep
+	 * its r in memory */
+	const int nturns = ndirs + (b->params->estimator == BAKE_AO_POLYGON);
 
 #pragma omp parallel num_threads(b->nthreads)
-	for (int j = 0; j < ndirs; j++) {
-		bake_horizon_aim(&b->horizon, j, ndirs);
+	for (int j = 0; j < nturns; j++) {
+		bake_horizon_aim(&b->horizon, j % ndirs, ndirs);
 #pragma omp for schedule(dynamic, 8)
 		for (size_t t = 0; t < b->ntiles; t++)
-			bake_tile(b, j, t);
+			bake_tile(b, j, tile_in_order(b, t));
 #pragma omp master
-		report(&b->params->progress, (j + 1.0) / ndirs);
+		report(&b->params->progress, (j + 1.0) / nturns);
 	}
 }
 

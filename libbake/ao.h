@@ -18,8 +18,8 @@ enum bake_ao_estimator {
 
 /*
  * How far every sample of a ray is looked at. Exact: all of it. Fast and
- * preview: the first 32 (16) steps as exact does; beyond, segments of 8 steps,
- * each represented by its highest texel at one distance (see bake_ao).
+ * preview: the first 32 (16) steps as exact does; beyond, segments of 8 and
+ * then 32 steps, each represented by its highest texel at one distance.
  */
 enum bake_ao_quality { BAKE_AO_EXACT, BAKE_AO_FAST, BAKE_AO_PREVIEW };
 
@@ -53,7 +53,7 @@ struct bake_ao_params {
 };
 #define BAKE_AO_PARAMS_DEFAULT                                                 \
 	{                                                                      \
-		50, 0, 1, {false, false}, BAKE_AO_POLYGON, BAKE_AO_EXACT,      \
+		50, 0, 1, { false, false }, BAKE_AO_POLYGON, BAKE_AO_EXACT,    \
 		    BAKE_AO_BLUR_PAPER, 1.0, 0,                                \
 		{                                                              \
 			NULL, NULL                                             \
@@ -103,10 +103,12 @@ struct bake_ao_result {
  * or, on a clamped axis, with its border texels repeated; the reach may be
  * longer than the map.
  *
- * Fast and preview take steps 1 .. 32 (1 .. 16) as above and the rest, its
- * end rounded up to a whole segment, in segments k .. k + 7: of the texels
- * nearest to k + i, i = 0 .. 7, on the ray through the texel nearest to k, the
- * highest counts, at distance (k + 4.25) sqrt(1 + m^2).
+ * Fast and preview take steps 1 .. 32 (1 .. 16) as above, and the rest, its
+ * end rounded up to a whole segment, in segments k .. k + L - 1: L = 8 up to
+ * step 128 (64), L = 32 beyond. Of the texels nearest to k + i, i = 0 .. 7, on
+ * the ray through the texel nearest to k, the highest counts, at distance
+ * (k + 0.53 L) sqrt(1 + m^2); L = 32 is four such pieces, each from the texel
+ * nearest to its start.
  *
  * Blur: a Gaussian of blur_sigma texels, cut off at ceil(4 sigma), wrapped
  * or clamped as the map. It replaces ao where some tan e_j > 0 (not: where
@@ -128,16 +130,18 @@ struct bake_ao_result {
  *              BAKE_IMAGE_INIT
  *
  * Accuracy: exact is within 5e-6 of the formulas in real arithmetic up to
- * S W = 256. Fast is off by 1e-4 to 1e-3 on average on usual relief (preview
- * 5e-4 to 2e-3), below the error of 50 directions themselves, but by 1e-2
- * where lone spikes of a texel are all there is to see. Same bytes for every
- * thread count and instruction set; on a torus a shifted map gives the
- * shifted result, bit for bit.
+ * S W = 256. On relief and on white noise fast is off by 1e-4 to 1e-3 on
+ * average, below the error of 50 directions themselves, and preview by 1e-3 to
+ * 5e-3; where lone spikes of one texel are all there is to see, both by 2e-2.
+ * Same bytes for every thread count and instruction set; on a torus a shifted
+ * map gives the shifted result, bit for bit, at each quality.
  *
- * Memory beyond depth and for one scale and ao alone, in bytes a texel at any
- * quality: 22.2, and 10 more for each texel of a border of 80 columns and 18
- * rows (on a clamped axis twice that), so 23 at 1024 x 1024. Each further
- * scale takes 12 more, the bent normal 24, horizons 4 ndirs.
+ * Memory beyond depth, for one scale and ao alone, in bytes: 8 a texel for
+ * the sums, and 10 (fast and preview: 14) a texel of the map with a border of
+ * 80 columns and 18 rows, twice that on a clamped axis. So 19 (fast 24) a
+ * texel at 1024 x 1024 and 18.2 (22.3) at 16384 x 16384, where fast thus takes
+ * 6.0 GB beyond the map's 1.1 GB. Each further scale takes 12 more, the bent
+ * normal 28, horizons 4 ndirs.
  *
  * Reentrant. progress.report is called on the calling thread alone.
  * Source: Limberger, Schetinger, Oliveira, "Meta-Relief Texture Mapping with

@@ -28,7 +28,6 @@ add_polygon(const struct bake_ao_add *a)
 
 		if (a->start) {
 			vec_store(a->sum + t, vec_set(0));
-			vec_store(a->first + t, r);
 		} else {
 			vec_store(a->sum + t,
 			    vec_load(a->sum + t) + r * vec_load(a->prev + t));
@@ -45,8 +44,6 @@ add_mean(const struct bake_ao_add *a)
 	for (size_t t = 0; t < a->n; t += VEC_LANES) {
 		vec_f r = cosine(tangent(a->slopes + t, scale));
 
-		if (a->start && a->first != NULL)
-			vec_store(a->first + t, r);
 		if (a->start)
 			vec_store(a->sum + t, r * r);
 		else
@@ -69,11 +66,12 @@ add_bent(const struct bake_ao_add *a)
 	for (size_t t = 0; t < a->n; t += VEC_LANES) {
 		vec_f tan_e = tangent(a->slopes + t, scale);
 		vec_f r = cosine(tan_e), sin_e = tan_e * r;
-		vec_f f = vec_load(a->first + t);
+		vec_f f = a->start ? r : vec_load(a->first + t);
 		vec_f xy = r * r * r - f * f * f;
 		vec_f z = r * r * (one + sin_e + sin_e * sin_e) / (one + sin_e);
 
 		if (a->start) {
+			vec_store(a->first + t, r);
 			vec_store(a->bent[0] + t, vec_set(0));
 			vec_store(a->bent[1] + t, vec_set(0));
 			vec_store(a->bent[2] + t, z);

@@ -17,8 +17,8 @@
  *   slopes       [n] >= 0, in units of depth per texel; tan e = slope * scale
  *   start        this is direction 0: the sums begin
  *   sum          [n] of r_j r_(j-1) up to this direction, or of r_j^2
- *   first, prev  [n] r of direction 0 and of the latest direction; with the
- *                mean both may be NULL unless bent is wanted
+ *   prev         [n] r of the latest direction; NULL with the mean
+ *   first        [n] r of direction 0; NULL without bent
  *   bent         x, y, z: [n] each, or NULL
  */
 struct bake_ao_add {

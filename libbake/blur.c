@@ -123,7 +123,7 @@ enum bake_status
 bake_blur(struct bake_image *ao, const uint8_t *mask, double sigma,
     bool masked_only, struct bake_wrap wrap, int nthreads, struct bake_err *err)
 {
-	struct blur b = {.ao = ao, .mask = mask, .wrap = wrap};
+	struct blur b = { .ao = ao, .mask = mask, .wrap = wrap };
 	const size_t width = (size_t)ao->width;
 	size_t ntexels, nlines;
 	float *lines = NULL;

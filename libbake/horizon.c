@@ -6,9 +6,6 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* Fractions of a texel below this are none; a slope changes by as much. */
-#define SNAP 1e-9
-
 void
 bake_horizon_dir_init(struct bake_horizon_dir *dir, int j, int n, int width,
     int height, double radius, int periods)
@@ -45,10 +42,10 @@ bake_horizon_step(const struct bake_horizon_dir *dir, long k)
 
 	/* a sample within rounding of a texel is at the texel: the tables of
 	 * the fast march then hold all texels that have a weight */
-	if (frac > 1 - SNAP) {
+	if (frac > 1 - BAKE_HORIZON_SNAP) {
 		whole++;
 		frac = 0;
-	} else if (frac < SNAP) {
+	} else if (frac < BAKE_HORIZON_SNAP) {
 		frac = 0;
 	}
 	st.dx = dir->x_major ? k * dir->major : (long)whole;

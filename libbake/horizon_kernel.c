@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: MIT */
 #define BAKE_VEC_256 /* a packet's row is 8 texels */
 #include <limits.h>
+#include <math.h>
 #include <string.h>
 
 #include "horizon_priv.h"
@@ -11,6 +12,9 @@
 enum { SEGMENT = 8 }; /* most chunks that are tested before one is marched */
 enum { WHOLE_PACKET = 3 }; /* rows from which a packet is cheaper */
 enum { NVECS = BAKE_PACKET_WIDTH / VEC_LANES }; /* vectors in a row */
+
+/* this far right of a clamped map, nothing but its border is looked at */
+enum { ALL_BORDER = 40 };
 
 #define INLINE inline __attribute__((always_inline))
 
@@ -40,10 +44,9 @@ wrap_origin(int i, int size, bool clamp, int border)
 }
 
 static inline struct spot
-find_spot(const struct march *m, long c)
+find_spot(const struct march *m, const struct bake_horizon_place *place)
 {
 	const struct bake_horizon *hz = m->hz;
-	const struct bake_horizon_place *place = &m->hz->places[c];
 	const int x = wrap_origin(
 	    m->x0 + place->x, hz->heights.width, hz->wrap.clamp_u, hz->left);
 	const int y = wrap_origin(
@@ -96,7 +99,7 @@ march_packet(const struct march *m, const struct bake_horizon_chunk *chunk,
 				}
 				h1 = vec_load(p + (size_t)r * stride + minor);
 				best[r] = vec_max(
-				    w0 * (h0 - here[r]) + w1 * (h1 - here[r]),
+				    w0 * (here[r] - h0) + w1 * (here[r] - h1),
 				    best[r]);
 			}
 		}
@@ -106,7 +109,8 @@ march_packet(const struct march *m, const struct bake_horizon_chunk *chunk,
 	}
 }
 
-/* The same for one of its rows. */
+/* The same for one of its rows. Both signs are turned, which gives the same
+ * bits, because a subtrahend can come straight from memory. */
 static INLINE void
 march_row(const struct march *m, const struct bake_horizon_chunk *chunk,
     const float *texels, int packet, int row, const bool x_major)
@@ -126,8 +130,8 @@ march_row(const struct march *m, const struct bake_horizon_chunk *chunk,
 			const float *p = texels + at + chunk->rel[i] + v;
 			vec_f h0 = vec_load(p), h1 = vec_load(p + minor);
 
-			best = vec_max(vec_set(chunk->w0[i]) * (h0 - here) +
-					   vec_set(chunk->w1[i]) * (h1 - here),
+			best = vec_max(vec_set(chunk->w0[i]) * (here - h0) +
+					   vec_set(chunk->w1[i]) * (here - h1),
 			    best);
 		}
 		vec_store(slopes + v, best);
@@ -166,32 +170,32 @@ packet_bound(const struct march *m, int packet, float reach)
  * each texel's own ray where there is one, else by the packet's window.
  */
 static INLINE unsigned
-packet_hit(const struct march *m, int packet, long c, const struct spot *spot)
+packet_hit(const struct march *m, int packet, long c, const struct spot *spot,
+    const bool exact)
 {
 	const struct bake_horizon *hz = m->hz;
 	const size_t stride = hz->heights.row_stride;
 	const vec_f d = vec_set(hz->places[c].reach);
+	const vec_f window = vec_set(spot->windows[packet]);
 	const size_t at = (size_t)packet * BAKE_PACKET_WIDTH;
-	const float *crests =
+	const float *crest =
 	    hz->far + (spot->texels - hz->padded) + hz->chunks[c].far_rel + at;
+	const float *here = m->base + at, *slopes = m->slopes + at;
 	unsigned rows = 0;
 
 	for (int r = 0; r < BAKE_PACKET_HEIGHT; r++) {
 		unsigned hit = 0;
 
-		for (size_t v = 0; v < BAKE_PACKET_WIDTH; v += VEC_LANES) {
-			vec_f s =
-			    vec_load(m->slopes + r * BAKE_STRIP_WIDTH + at + v);
-			vec_f h =
-			    vec_load(m->base + at + (size_t)r * stride + v);
-			vec_f top =
-			    hz->nexact != LONG_MAX
-				? vec_set(spot->windows[packet])
-				: vec_load(crests + (size_t)r * stride + v);
+		for (int v = 0; v < BAKE_PACKET_WIDTH; v += VEC_LANES) {
+			vec_f top = exact ? vec_load(crest + v) : window;
 
-			hit |= vec_gt_mask(top - h, s * d);
+			hit |= vec_gt_mask(
+			    top - vec_load(here + v), vec_load(slopes + v) * d);
 		}
 		rows |= (unsigned)(hit != 0) << r;
+		crest += stride;
+		here += stride;
+		slopes += BAKE_STRIP_WIDTH;
 	}
 	return rows;
 }
@@ -245,11 +249,11 @@ test_chunk(const struct march *m, const float *windows, float ahead)
  * window cannot raise. */
 static INLINE void
 march_hits(const struct march *m, long c, const struct spot *spot,
-    unsigned hits, const bool x_major)
+    unsigned hits, const bool x_major, const bool exact)
 {
 	for (; hits != 0; hits &= hits - 1) {
 		const int p = __builtin_ctz(hits);
-		unsigned rows = packet_hit(m, p, c, spot);
+		unsigned rows = packet_hit(m, p, c, spot, exact);
 
 		if (__builtin_popcount(rows) >= WHOLE_PACKET) {
 			march_packet(
@@ -292,14 +296,74 @@ march_far(const struct march *m, long c, const struct spot *spot, unsigned hits)
 	}
 }
 
+/* n wide samples for one packet. */
+static INLINE void
+march_wide(const struct march *m, const float *const *samples,
+    const float *weights, int n, int packet)
+{
+	const size_t stride = m->hz->heights.row_stride;
+	const size_t at = (size_t)packet * BAKE_PACKET_WIDTH;
+	float *slopes = m->slopes + at;
+
+	for (size_t v = 0; v < BAKE_PACKET_WIDTH; v += VEC_LANES) {
+		vec_f best[BAKE_PACKET_HEIGHT], here[BAKE_PACKET_HEIGHT];
+
+		for (size_t r = 0; r < BAKE_PACKET_HEIGHT; r++) {
+			best[r] = vec_load(slopes + r * BAKE_STRIP_WIDTH + v);
+			here[r] = vec_load(m->base + at + r * stride + v);
+		}
+		for (int i = 0; i < n; i++) {
+			const float *p = samples[i] + at + v;
+			const vec_f w = vec_set(weights[i]);
+
+			for (size_t r = 0; r < BAKE_PACKET_HEIGHT; r++)
+				best[r] = vec_max(
+				    w * (vec_load(p + r * stride) - here[r]),
+				    best[r]);
+		}
+		for (size_t r = 0; r < BAKE_PACKET_HEIGHT; r++)
+			vec_store(slopes + r * BAKE_STRIP_WIDTH + v, best[r]);
+	}
+}
+
+/* The wide samples, for the packets that may still be raised at all. */
+static void
+march_wides(struct march *m)
+{
+	const struct bake_horizon *hz = m->hz;
+
+	for (long c = 0; c < hz->nwide; c += SEGMENT) {
+		const int n =
+		    hz->nwide - c < SEGMENT ? (int)(hz->nwide - c) : SEGMENT;
+		const float *samples[SEGMENT];
+
+		for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
+			if (m->alive >> p & 1 &&
+			    packet_bound(m, p, hz->wide_places[c].reach) >=
+				hz->highest)
+				m->alive &= ~(1u << p);
+		if (m->alive == 0)
+			return;
+		for (int i = 0; i < n; i++)
+			samples[i] =
+			    hz->wide +
+			    (find_spot(m, &hz->wide_places[c + i]).texels -
+				hz->padded);
+		for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
+			if (m->alive >> p & 1)
+				march_wide(
+				    m, samples, hz->wide_weights + c, n, p);
+	}
+}
+
 static inline __attribute__((always_inline)) void
-march_strip(struct march *m, const bool x_major)
+march_strip(struct march *m, const bool x_major, const bool exact)
 {
 	const struct bake_horizon *hz = m->hz;
 	long c = 0, length = 1;
 
 	for (; c < 1 && c < hz->nchunks; c++) {
-		const struct spot spot = find_spot(m, c);
+		const struct spot spot = find_spot(m, &hz->places[c]);
 
 		for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
 			march_packet(
@@ -315,22 +379,25 @@ march_strip(struct march *m, const bool x_major)
 
 		bound_packets(m, from, hz->places[end - 1].reach);
 		if (m->alive == 0)
-			break;
+			return;
 		for (int i = 0; i < end - c; i++) {
-			spots[i] = find_spot(m, c + i);
+			spots[i] = find_spot(m, &hz->places[c + i]);
 			hits[i] = test_chunk(m, spots[i].windows,
 			    (hz->places[c + i].reach - from) * (1 - 0x1p-18f));
 			any |= hits[i];
 			m->raised |= hits[i];
 		}
 		for (int i = 0; any != 0 && c < end; i++, c++)
-			if (c < hz->nexact)
-				march_hits(m, c, &spots[i], hits[i], x_major);
+			if (exact || c < hz->nexact)
+				march_hits(
+				    m, c, &spots[i], hits[i], x_major, exact);
 			else
 				march_far(m, c, &spots[i], hits[i]);
 		c = end;
 		length = length < SEGMENT ? 2 * length : SEGMENT;
 	}
+	if (!exact)
+		march_wides(m);
 }
 
 void
@@ -345,91 +412,106 @@ BAKE_KERNEL(bake_horizon_strip)(
 		.slopes = slopes,
 	};
 
-	if (hz->dir.x_major)
-		march_strip(&m, true);
+	/* four clones, each with its branches decided */
+	if (hz->dir.x_major && hz->nexact == LONG_MAX)
+		march_strip(&m, true, true);
+	else if (hz->dir.x_major)
+		march_strip(&m, true, false);
+	else if (hz->nexact == LONG_MAX)
+		march_strip(&m, false, true);
 	else
-		march_strip(&m, false);
+		march_strip(&m, false, false);
 }
 
-/* What a far field's texel is made of: 8 places relative to the least one. */
-struct far_taps {
-	int dx, dy; /* of the least place */
-	ptrdiff_t rel[BAKE_CHUNK];
-	ptrdiff_t near[BAKE_CHUNK]; /* to the nearer of the two texels */
+/* What one entry of the far field is made of: up to 8 places of the source,
+ * each on a row of its own, at rel floats from x + dx, dx their least offset.
+ */
+struct taps {
+	int n, dx;
 	ptrdiff_t minor;
+	const float *at[BAKE_CHUNK];
 };
 
-static struct far_taps
-find_taps(const struct bake_horizon *hz)
+/* The taps for row y. The y of each wraps by itself, as a wide entry reaches
+ * beyond the border. */
+static struct taps
+find_taps(const struct bake_horizon *hz, int y, bool wide)
 {
+	const bool exact = hz->nexact == LONG_MAX;
 	const ptrdiff_t stride = (ptrdiff_t)hz->heights.row_stride;
-	struct far_taps taps = { .minor = hz->dir.x_major ? stride : 1 };
+	const float *src =
+	    wide ? hz->far + hz->top * stride + hz->left : hz->heights.data;
+	struct taps taps = { .n = wide ? BAKE_WIDE : BAKE_CHUNK,
+		.minor = hz->dir.x_major ? stride : 1 };
+	int dx[BAKE_CHUNK];
 
-	for (int i = 0; i < BAKE_CHUNK; i++) {
-		const struct bake_horizon_step *st = &hz->far_steps[i];
+	for (int i = 0; i < taps.n; i++) {
+		const int k = wide ? i * BAKE_CHUNK : i;
+		const int minor = (int)floor(
+		    k * hz->dir.minor + (exact ? BAKE_HORIZON_SNAP : 0.5));
+		const int dy = hz->dir.x_major ? minor : k * hz->dir.major;
+		const int row =
+		    hz->wrap.clamp_v
+			? wrap_origin(y + dy, hz->heights.height, true, hz->top)
+			: bake_wrap_index(
+			      (long)y + dy, hz->heights.height, false);
 
-		taps.dx = st->dx < taps.dx ? (int)st->dx : taps.dx;
-		taps.dy = st->dy < taps.dy ? (int)st->dy : taps.dy;
+		dx[i] = hz->dir.x_major ? k * hz->dir.major : minor;
+		taps.dx = dx[i] < taps.dx ? dx[i] : taps.dx;
+		taps.at[i] = src + row * stride;
 	}
-	for (int i = 0; i < BAKE_CHUNK; i++) {
-		const struct bake_horizon_step *st = &hz->far_steps[i];
-
-		taps.rel[i] = (st->dy - taps.dy) * stride + st->dx - taps.dx;
-		taps.near[i] = st->w1 < 0.5f ? 0 : taps.minor;
-	}
+	for (int i = 0; i < taps.n; i++)
+		taps.at[i] += dx[i] - taps.dx;
 	return taps;
 }
 
 /* Exact: the highest texel that any ray through the chunk can meet, wherever
  * between two texels it starts. */
 static INLINE vec_f
-crest_at(const struct far_taps *taps, const float *p)
+crest_at(const struct taps *taps, ptrdiff_t x)
 {
-	vec_f high = vec_load(p + taps->rel[0]);
+	vec_f high = vec_load(taps->at[0] + x);
 
 	for (int i = 0; i < BAKE_CHUNK; i++) {
-		const float *q = p + taps->rel[i];
+		const float *p = taps->at[i] + x;
 
-		high = vec_max(vec_max(vec_load(q), vec_load(q + taps->minor)),
-		    vec_max(vec_load(q + 2 * taps->minor), high));
+		high = vec_max(vec_max(vec_load(p), vec_load(p + taps->minor)),
+		    vec_max(vec_load(p + 2 * taps->minor), high));
 	}
 	return high;
 }
 
-/* Else: the highest of the texels nearest to the ray that starts at the
- * texel. */
+/* Else: the highest of the texels nearest to the ray that starts at x. */
 static INLINE vec_f
-sample_at(const struct far_taps *taps, const float *p)
+sample_at(const struct taps *taps, ptrdiff_t x, const int n)
 {
-	vec_f high = vec_load(p + taps->rel[0]);
+	vec_f high = vec_load(taps->at[0] + x);
 
-	for (int i = 1; i < BAKE_CHUNK; i++)
-		high =
-		    vec_max(vec_load(p + taps->rel[i] + taps->near[i]), high);
+	for (int i = 1; i < n; i++)
+		high = vec_max(vec_load(taps->at[i] + x), high);
 	return high;
 }
 
 void
-BAKE_KERNEL(bake_horizon_far_row)(const struct bake_horizon *hz, int y)
+BAKE_KERNEL(bake_horizon_far_row)(
+    const struct bake_horizon *hz, int y, bool wide)
 {
-	const struct far_taps taps = find_taps(hz);
-	const int width = hz->heights.width, height = hz->heights.height;
+	const struct taps taps = find_taps(hz, y, wide);
+	const int width = hz->heights.width;
 	const int left = hz->left, n = hz->padded_width;
-	const ptrdiff_t stride = (ptrdiff_t)hz->heights.row_stride;
 	const bool exact = hz->nexact == LONG_MAX, clamp = hz->wrap.clamp_u;
-	float *out = hz->far + (ptrdiff_t)(y + hz->top) * stride;
-	const float *row;
+	float *out = (wide ? hz->wide : hz->far) +
+		     (size_t)(y + hz->top) * hz->heights.row_stride;
 	int px = bake_wrap_index(taps.dx, width, false);
 
-	y = hz->wrap.clamp_v
-		? wrap_origin(y + taps.dy, height, true, hz->top)
-		: bake_wrap_index((long)y + taps.dy, height, false);
-	row = hz->heights.data + y * stride;
 	for (int x = 0; x < n; x += VEC_LANES) {
-		const float *p = row + (clamp ? wrap_origin(x - left + taps.dx,
-						    width, true, left)
-					      : px);
-		vec_f high = exact ? crest_at(&taps, p) : sample_at(&taps, p);
+		/* where all is border, anywhere there will do */
+		const int at = clamp ? wrap_origin(x - left + taps.dx,
+					   width + ALL_BORDER, true, left)
+				     : px;
+		vec_f high = exact  ? crest_at(&taps, at)
+			     : wide ? sample_at(&taps, at, BAKE_WIDE)
+				    : sample_at(&taps, at, BAKE_CHUNK);
 		float rest[VEC_LANES];
 
 		for (px += VEC_LANES; px >= width;)

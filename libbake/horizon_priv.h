@@ -49,6 +49,9 @@ struct bake_horizon_step {
 void bake_horizon_dir_init(struct bake_horizon_dir *dir, int j, int n,
     int width, int height, double radius, int periods);
 
+/* Fractions of a texel below this are none; a slope changes by as much. */
+#define BAKE_HORIZON_SNAP 1e-9
+
 /* Sample k >= 1 of a ray in direction dir; offsets are not wrapped. */
 struct bake_horizon_step bake_horizon_step(
     const struct bake_horizon_dir *dir, long k);
@@ -87,6 +90,7 @@ float bake_horizon_march(const struct bake_image *heights,
  */
 enum {
 	BAKE_CHUNK = 8,
+	BAKE_WIDE = 4, /* chunks */
 	BAKE_PACKET_WIDTH = 8,
 	BAKE_PACKET_HEIGHT = 4,
 	BAKE_STRIP_PACKETS = 8,
@@ -104,7 +108,7 @@ enum {
  */
 struct bake_horizon_chunk {
 	int rel[BAKE_CHUNK];
-	float w0[BAKE_CHUNK], w1[BAKE_CHUNK];
+	float w0[BAKE_CHUNK], w1[BAKE_CHUNK]; /* negative, see march_row */
 	/* where the chunk's entry in 'far' is, relative as rel; and, where
 	 * it stands for all samples, 1 / its distance */
 	int far_rel;
@@ -160,23 +164,29 @@ struct bake_horizon {
 
 	/* the present direction */
 	struct bake_horizon_dir dir;
-	long nchunks;
+	long nchunks; /* that the ray is marched in */
 	struct bake_horizon_place *places;
 	struct bake_horizon_chunk *chunks;
-	long nexact; /* chunks before the far field */
+	long nexact; /* chunks before the far field; LONG_MAX: all */
+	long nfar;   /* chunks before the wide ones */
 	/* of the direction: the highest height that a chunk with its origin
 	 * at (x, y) can read for a packet, columns x rows blocks */
 	struct bake_horizon_windows windows;
 	int columns, rows;
 	struct bake_horizon_windows blocks; /* 2 x 2 texels each */
 	float *scratch;                     /* [nthreads] rows of windows */
-	/* of the direction and each texel of the map and its border. Exact:
-	 * the highest texel that a chunk's samples can touch when its first
-	 * is between the texel and its neighbour on the minor axis. Else: the
-	 * highest of the texels nearest to the samples when the first is at
-	 * the texel itself. Laid out as padded. */
+	/* of the direction and each texel of the map and its border, laid
+	 * out as padded. Exact: the highest texel that a chunk's samples can
+	 * touch when its first is between the texel and its neighbour on the
+	 * minor axis. Else: the highest of the texels nearest to the samples
+	 * when the first is at the texel itself. */
 	float *far;
-	struct bake_horizon_step far_steps[BAKE_CHUNK];
+	/* not for exact: the same of BAKE_WIDE chunks in a row, the places
+	 * where they are looked up beyond the chunks, and 1 / distance */
+	float *wide;
+	long nwide;
+	struct bake_horizon_place *wide_places;
+	float *wide_weights;
 };
 
 /*
@@ -214,10 +224,12 @@ void bake_horizon_windows_row_avx2(
 void bake_horizon_windows_row_avx512(
     const struct bake_horizon *hz, int y2, float *scratch);
 
-/* Row y of the far field, -top <= y < padded_height - top. */
-void bake_horizon_far_row_baseline(const struct bake_horizon *hz, int y);
-void bake_horizon_far_row_avx2(const struct bake_horizon *hz, int y);
-void bake_horizon_far_row_avx512(const struct bake_horizon *hz, int y);
+/* Row y of far, or (wide) of wide from far; -top <= y < padded_height - top. */
+void bake_horizon_far_row_baseline(
+    const struct bake_horizon *hz, int y, bool wide);
+void bake_horizon_far_row_avx2(const struct bake_horizon *hz, int y, bool wide);
+void bake_horizon_far_row_avx512(
+    const struct bake_horizon *hz, int y, bool wide);
 
 /* One strip, its first texel (x0, y0), in the present direction;
  * slopes[4][64] are raised. */

@@ -19,9 +19,6 @@ enum { SIDE_MAX = 1 << 27 };
  */
 enum { BORDER_X = 80, BORDER_Y = 16, BEYOND_X = 80, BEYOND_Y = 18 };
 
-/* As much below a texel counts as at it: see bake_horizon_step. */
-#define FLOOR_SNAP 1e-9
-
 /* Where in its 8 steps the far field's highest sample is put, 0 .. 7. */
 #define FAR_PLACE 4.25
 
@@ -136,7 +133,7 @@ make_chunk(const struct bake_horizon *hz, long c)
 	const double middle = (double)first + FAR_PLACE;
 	const long minor =
 	    (long)floor((double)first * hz->dir.minor +
-			(hz->nexact == LONG_MAX ? FLOOR_SNAP : 0.5));
+			(hz->nexact == LONG_MAX ? BAKE_HORIZON_SNAP : 0.5));
 	long x = LONG_MAX, y = LONG_MAX;
 
 	for (int i = 0; i < BAKE_CHUNK; i++) {
@@ -153,8 +150,8 @@ make_chunk(const struct bake_horizon *hz, long c)
 	for (int i = 0; i < BAKE_CHUNK; i++) {
 		chunk->rel[i] =
 		    (int)((steps[i].dy - y) * stride + steps[i].dx - x);
-		chunk->w0[i] = steps[i].w0;
-		chunk->w1[i] = steps[i].w1;
+		chunk->w0[i] = -steps[i].w0;
+		chunk->w1[i] = -steps[i].w1;
 	}
 	chunk->far_rel =
 	    hz->dir.x_major
@@ -166,6 +163,26 @@ make_chunk(const struct bake_horizon *hz, long c)
 		reduce_offset(y, hz->heights.height, hz->wrap.clamp_v),
 		(float)((double)first * hz->dir.pitch * (1 - 0x1p-19)),
 	};
+}
+
+/* Where wide sample c is: chunk nfar + BAKE_WIDE c and those after it. */
+static void
+make_wide(const struct bake_horizon *hz, long c)
+{
+	const long first = (hz->nfar + c * BAKE_WIDE) * BAKE_CHUNK + 1;
+	const long minor = (long)floor((double)first * hz->dir.minor + 0.5);
+	const long major = first * hz->dir.major;
+
+	hz->wide_places[c] = (struct bake_horizon_place){
+		reduce_offset(hz->dir.x_major ? major : minor,
+		    hz->heights.width, hz->wrap.clamp_u),
+		reduce_offset(hz->dir.x_major ? minor : major,
+		    hz->heights.height, hz->wrap.clamp_v),
+		(float)((double)first * hz->dir.pitch * (1 - 0x1p-19)),
+	};
+	hz->wide_weights[c] =
+	    (float)(1 /
+		    (((double)first + FAR_PLACE * BAKE_WIDE) * hz->dir.pitch));
 }
 
 /*
@@ -182,6 +199,12 @@ set_direction(struct bake_horizon *hz, int j, int n)
 	bake_horizon_dir_init(&hz->dir, j, n, hz->heights.width,
 	    hz->heights.height, hz->radius, hz->periods);
 	hz->nchunks = (hz->dir.nsteps + BAKE_CHUNK - 1) / BAKE_CHUNK;
+	hz->nwide = 0;
+	if (hz->nchunks > hz->nfar) {
+		hz->nwide =
+		    (hz->nchunks - hz->nfar + BAKE_WIDE - 1) / BAKE_WIDE;
+		hz->nchunks = hz->nfar;
+	}
 	minor = (int)ceil(fabs(hz->dir.minor) * (BAKE_CHUNK - 1)) + 1;
 	if (hz->nexact != LONG_MAX)
 		minor += 2;
@@ -190,22 +213,12 @@ set_direction(struct bake_horizon *hz, int j, int n)
 	hz->rows =
 	    (BAKE_PACKET_HEIGHT + 1 + (hz->dir.x_major ? minor : major) + 1) /
 	    2;
-	for (int i = 0; i < BAKE_CHUNK; i++) {
-		struct bake_horizon_step *st = &hz->far_steps[i];
-		const double minor_at = i * hz->dir.minor;
-		const double whole = floor(minor_at + FLOOR_SNAP);
-
-		st->dx = hz->dir.x_major ? i * hz->dir.major : (long)whole;
-		st->dy = hz->dir.x_major ? (long)whole : i * hz->dir.major;
-		st->w1 = (float)fmax(0, minor_at - whole);
-		st->w0 = 1 - st->w1;
-	}
 }
 
 void
 bake_horizon_aim(struct bake_horizon *hz, int j, int n)
 {
-	static void (*const far_row[])(const struct bake_horizon *, int) =
+	static void (*const far_row[])(const struct bake_horizon *, int, bool) =
 	    BAKE_KERNEL_TABLE(bake_horizon_far_row);
 	static void (*const windows_row[])(const struct bake_horizon *, int,
 	    float *) = BAKE_KERNEL_TABLE(bake_horizon_windows_row);
@@ -221,9 +234,15 @@ bake_horizon_aim(struct bake_horizon *hz, int j, int n)
 		windows_row[hz->isa](hz, y2,
 		    hz->scratch + scratch * (size_t)omp_get_thread_num());
 #pragma omp for schedule(static) nowait
+	for (long c = 0; c < hz->nwide; c++)
+		make_wide(hz, c);
+#pragma omp for schedule(static)
 	for (int y = 0; y < hz->padded_height; y++)
-		far_row[hz->isa](hz, y - hz->top);
-#pragma omp barrier
+		far_row[hz->isa](hz, y - hz->top, false);
+	if (hz->nwide > 0)
+#pragma omp for schedule(static)
+		for (int y = 0; y < hz->padded_height; y++)
+			far_row[hz->isa](hz, y - hz->top, true);
 }
 
 static enum bake_status
@@ -248,10 +267,15 @@ alloc_tables(struct bake_horizon *hz, int nthreads, struct bake_err *err)
 		    "%dx%d texels do not fit in memory", width, height);
 	hz->places = bake_alloc(nchunks, sizeof *hz->places, err);
 	hz->chunks = bake_alloc(nchunks, sizeof *hz->chunks, err);
+	hz->wide_places =
+	    bake_alloc(nchunks / BAKE_WIDE + 1, sizeof *hz->wide_places, err);
+	hz->wide_weights =
+	    bake_alloc(nchunks / BAKE_WIDE + 1, sizeof *hz->wide_weights, err);
 	hz->windows.data = bake_alloc(nwindows, sizeof(float), err);
 	hz->blocks.data = bake_alloc(nwindows, sizeof(float), err);
 	hz->scratch = bake_alloc(nscratch, sizeof *hz->scratch, err);
 	if (hz->places == NULL || hz->chunks == NULL ||
+	    hz->wide_places == NULL || hz->wide_weights == NULL ||
 	    hz->windows.data == NULL || hz->blocks.data == NULL ||
 	    hz->scratch == NULL)
 		return BAKE_ENOMEM;
@@ -266,21 +290,29 @@ bake_horizon_init(struct bake_horizon *hz, const struct bake_image *depth,
     struct bake_wrap wrap, double radius, int periods,
     enum bake_horizon_far far, int nthreads, struct bake_err *err)
 {
+	/* chunks, of 8 steps, that are marched exactly, and before wide ones */
+	static const long limits[][2] = {
+		[BAKE_HORIZON_EXACT] = { LONG_MAX, LONG_MAX },
+		[BAKE_HORIZON_FAST] = { 4, 16 },
+		[BAKE_HORIZON_PREVIEW] = { 2, 8 },
+	};
+	size_t ntexels;
 	enum bake_status rc;
 
 	*hz = (struct bake_horizon){ .wrap = wrap,
 		.isa = bake_isa_pick(),
 		.radius = radius,
 		.periods = periods,
-		.nexact = far == BAKE_HORIZON_EXACT  ? LONG_MAX
-			  : far == BAKE_HORIZON_FAST ? 32 / BAKE_CHUNK
-						     : 16 / BAKE_CHUNK };
+		.nexact = limits[far][0],
+		.nfar = limits[far][1] };
 	if ((rc = make_heights(hz, depth, nthreads, err)) != BAKE_OK ||
 	    (rc = alloc_tables(hz, nthreads, err)) != BAKE_OK)
 		return rc;
-	if ((hz->far = bake_alloc(
-		 (size_t)hz->padded_width * (size_t)hz->padded_height,
-		 sizeof *hz->far, err)) == NULL)
+	ntexels = (size_t)hz->padded_width * (size_t)hz->padded_height;
+	if ((hz->far = bake_alloc(ntexels, sizeof *hz->far, err)) == NULL)
+		return BAKE_ENOMEM;
+	if (far != BAKE_HORIZON_EXACT &&
+	    (hz->wide = bake_alloc(ntexels, sizeof *hz->wide, err)) == NULL)
 		return BAKE_ENOMEM;
 	return BAKE_OK;
 }
@@ -295,6 +327,9 @@ bake_horizon_free(struct bake_horizon *hz)
 	free(hz->blocks.data);
 	free(hz->scratch);
 	free(hz->far);
+	free(hz->wide);
+	free(hz->wide_places);
+	free(hz->wide_weights);
 	*hz = (struct bake_horizon){ .padded = NULL };
 }
 

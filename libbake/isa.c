@@ -24,7 +24,7 @@ best_isa(void)
 enum bake_isa
 bake_isa_pick(void)
 {
-	static const char *const names[] = {"baseline", "avx2", "avx512"};
+	static const char *const names[] = { "baseline", "avx2", "avx512" };
 	enum bake_isa best = best_isa();
 	const char *limit = getenv("BAKE_ISA");
 

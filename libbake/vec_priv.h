@@ -199,7 +199,7 @@ vec_store(float *p, vec_f v)
 static inline vec_f
 vec_set(float x)
 {
-	return (vec_f){x, x, x, x};
+	return (vec_f){ x, x, x, x };
 }
 
 static inline vec_f
