@@ -12,7 +12,7 @@ unset WERROR CFLAGS CXXFLAGS LDFLAGS || :
 object=$PWD/b/libbake/err.c.o
 # whether make, called with these variables, builds the object anew
 rebuilds() {
-	exits 0 make -C "$top" B="$PWD/b" "$@" "$object"
+	exits 0 make -C "$top" V=1 B="$PWD/b" "$@" "$object"
 	grep -q -e '-c -o' "$PRIV/out" || return 1
 }
 

@@ -47,7 +47,7 @@ struct check_case {
 };
 #define CASE(f)                                                                \
 	{                                                                      \
-		#f, f                                                          \
+#f, f                                                          \
 	}
 
 /* Runs all cases (or the one named in argv[1]); prints 'NAME: N passed,

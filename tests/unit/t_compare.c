@@ -112,8 +112,8 @@ float_images_differ_in_their_own_unit(void)
 static void
 nan_equals_nan_only(void)
 {
-	const float pair[][2] = {{NAN, 0}, {1, NAN}, {NAN, INFINITY},
-	    {INFINITY, -INFINITY}, {INFINITY, 1}};
+	const float pair[][2] = { { NAN, 0 }, { 1, NAN }, { NAN, INFINITY },
+		{ INFINITY, -INFINITY }, { INFINITY, 1 } };
 	struct bake_comparison out;
 	struct bake_err err = BAKE_ERR_INIT;
 
@@ -181,13 +181,13 @@ int
 main(int argc, char **argv)
 {
 	static const struct check_case cases[] = {
-	    CASE(equal_images_have_no_difference),
-	    CASE(differences_are_counted_in_codes),
-	    CASE(every_16_bit_code_is_told_from_the_next),
-	    CASE(float_images_differ_in_their_own_unit),
-	    CASE(nan_equals_nan_only),
-	    CASE(padding_between_rows_is_not_compared),
-	    CASE(wrong_shapes_name_both_numbers),
+		CASE(equal_images_have_no_difference),
+		CASE(differences_are_counted_in_codes),
+		CASE(every_16_bit_code_is_told_from_the_next),
+		CASE(float_images_differ_in_their_own_unit),
+		CASE(nan_equals_nan_only),
+		CASE(padding_between_rows_is_not_compared),
+		CASE(wrong_shapes_name_both_numbers),
 	};
 
 	return check_main(argc, argv, cases, sizeof cases / sizeof *cases);

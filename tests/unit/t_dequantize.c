@@ -23,9 +23,9 @@ coded(double v, int code_max)
 static void
 never_beyond_half_a_code(void)
 {
-	static const int sizes[][2] = {
-	    {1, 1}, {1, 40}, {40, 1}, {7, 9}, {65, 66}, {130, 40}};
-	static const int codes[] = {1, 3, 15, 255, 65535};
+	static const int sizes[][2] = { { 1, 1 }, { 1, 40 }, { 40, 1 },
+		{ 7, 9 }, { 65, 66 }, { 130, 40 } };
+	static const int codes[] = { 1, 3, 15, 255, 65535 };
 
 	for (int i = 0; i < 6 * 5 * 2; i++) {
 		const int cm = codes[i % 5];
@@ -59,8 +59,8 @@ sines_come_back(void)
 	enum { N = 256 };
 	static const struct {
 		double amp, ku, kv, gain;
-	} cases[] = {{0.4, 1, 1, 3}, {0.1, 1, 2, 5}, {0.04, 2, 1, 5},
-	    {0.01, 1, 1, 5}, {0.4, 4, 3, 1.4}, {0.4, 16, 5, 1.0}};
+	} cases[] = { { 0.4, 1, 1, 3 }, { 0.1, 1, 2, 5 }, { 0.04, 2, 1, 5 },
+		{ 0.01, 1, 1, 5 }, { 0.4, 4, 3, 1.4 }, { 0.4, 16, 5, 1.0 } };
 
 	for (int i = 0; i < 6; i++) {
 		struct bake_image a = image(N, N, 1);
@@ -115,7 +115,7 @@ staircase_becomes_a_ramp(void)
 static void
 two_values_keep_their_bits(void)
 {
-	static const int heights[] = {5, 60, 255};
+	static const int heights[] = { 5, 60, 255 };
 
 	for (int i = 0; i < 6; i++) {
 		struct bake_image a = noise(50, 40, 1), b = noise(50, 40, 1);
@@ -195,7 +195,7 @@ measure_counts_single_steps(void)
 	double step = 0, share = 0;
 
 	/* codes 0 0 1 1 2 2 9 9 9 9: two single steps in ten columns */
-	static const int row[] = {0, 0, 1, 1, 2, 2, 9, 9, 9, 9};
+	static const int row[] = { 0, 0, 1, 1, 2, 2, 9, 9, 9, 9 };
 
 	for (int k = 0; k < 40; k++)
 		a.data[k] = (float)row[k % 10] / 255;
@@ -229,14 +229,14 @@ int
 main(int argc, char **argv)
 {
 	static const struct check_case cases[] = {
-	    CASE(never_beyond_half_a_code),
-	    CASE(sines_come_back),
-	    CASE(staircase_becomes_a_ramp),
-	    CASE(two_values_keep_their_bits),
-	    CASE(bricks_keep_their_edges),
-	    CASE(shift_and_threads_do_not_show),
-	    CASE(measure_counts_single_steps),
-	    CASE(bad_arguments_are_told),
+		CASE(never_beyond_half_a_code),
+		CASE(sines_come_back),
+		CASE(staircase_becomes_a_ramp),
+		CASE(two_values_keep_their_bits),
+		CASE(bricks_keep_their_edges),
+		CASE(shift_and_threads_do_not_show),
+		CASE(measure_counts_single_steps),
+		CASE(bad_arguments_are_told),
 	};
 
 	return check_main(argc, argv, cases, sizeof cases / sizeof *cases);

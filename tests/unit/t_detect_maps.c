@@ -46,8 +46,8 @@ range_counts_what_is_not_finite(void)
 static void
 normal_stats_of_known_vectors(void)
 {
-	const float v[4][3] = {
-	    {0, 0, 1}, {0, 0, -0.5f}, {1.25f, 0, 0}, {NAN, 0, 1}};
+	const float v[4][3] = { { 0, 0, 1 }, { 0, 0, -0.5f }, { 1.25f, 0, 0 },
+		{ NAN, 0, 1 } };
 	struct bake_image img = blank(4, 1, 3);
 	struct bake_normal_stats s;
 	struct bake_err err = BAKE_ERR_INIT;
@@ -155,12 +155,12 @@ int
 main(int argc, char **argv)
 {
 	static const struct check_case cases[] = {
-	    CASE(range_counts_what_is_not_finite),
-	    CASE(normal_stats_of_known_vectors),
-	    CASE(normal_stats_of_two_channels),
-	    CASE(seam_of_a_ramp),
-	    CASE(joint_on_the_border_is_no_worse_than_the_others),
-	    CASE(seams_of_degenerate_maps),
+		CASE(range_counts_what_is_not_finite),
+		CASE(normal_stats_of_known_vectors),
+		CASE(normal_stats_of_two_channels),
+		CASE(seam_of_a_ramp),
+		CASE(joint_on_the_border_is_no_worse_than_the_others),
+		CASE(seams_of_degenerate_maps),
 	};
 
 	return check_main(argc, argv, cases, sizeof cases / sizeof *cases);

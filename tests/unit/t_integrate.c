@@ -5,7 +5,8 @@
 #include "check.h"
 #include "test_maps.h"
 
-static const enum bake_slope_op ops[] = {BAKE_SLOPE_CENTRAL, BAKE_SLOPE_SCHARR};
+static const enum bake_slope_op ops[] = { BAKE_SLOPE_CENTRAL,
+	BAKE_SLOPE_SCHARR };
 
 static double
 wave(int n, bool clamp, int k, int i)
@@ -40,7 +41,7 @@ static struct bake_image
 height_of(const struct bake_image *n, struct bake_wrap wrap,
     enum bake_slope_op op, double damping, int nt)
 {
-	const struct bake_integrate_params params = {wrap, op, damping, nt};
+	const struct bake_integrate_params params = { wrap, op, damping, nt };
 	struct bake_image h = BAKE_IMAGE_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
 
@@ -64,11 +65,12 @@ mean(const struct bake_image *img)
 static void
 inverse_of_the_matching_operator(void)
 {
-	static const int sizes[][2] = {{64, 64}, {63, 40}, {31, 37}, {128, 18}};
+	static const int sizes[][2] = { { 64, 64 }, { 63, 40 }, { 31, 37 },
+		{ 128, 18 } };
 	const double s = 0.1;
 
 	for (int i = 0; i < 4 * 8; i++) {
-		const struct bake_wrap wrap = {i % 2, i / 2 % 2};
+		const struct bake_wrap wrap = { i % 2, i / 2 % 2 };
 		const enum bake_slope_op op = ops[i / 4 % 2];
 		struct bake_image d =
 		    visible_map(sizes[i / 8][0], sizes[i / 8][1], wrap);
@@ -133,8 +135,8 @@ static double
 apply(const double *f, int w, int h, struct bake_wrap wrap, int op, int axis,
     int x, int y)
 {
-	static const double smooth[2][3] = {
-	    {0, 1, 0}, {3.0 / 16, 10.0 / 16, 3.0 / 16}};
+	static const double smooth[2][3] = { { 0, 1, 0 },
+		{ 3.0 / 16, 10.0 / 16, 3.0 / 16 } };
 	double sum = 0;
 
 	for (int j = -1; j <= 1; j++)
@@ -160,7 +162,7 @@ residual(double *g, const double *f, const struct bake_image *n,
 		g[i] = 0;
 	for (int t = 0; t < w * h; t++) {
 		const int x = t % w, y = t / w;
-		double p, q, unit[9 * 9] = {0};
+		double p, q, unit[9 * 9] = { 0 };
 		double ep, eq, lx, ly;
 
 		slope_at(n, x, y, &p, &q);
@@ -210,11 +212,12 @@ noisy_normals(int w, int h)
 static void
 least_squares_on_normals_that_fit_no_surface(void)
 {
-	static const int sizes[][2] = {{8, 8}, {9, 7}, {5, 8}, {1, 6}, {2, 3}};
-	static const double dampings[] = {0, 0.3, 1};
+	static const int sizes[][2] = { { 8, 8 }, { 9, 7 }, { 5, 8 }, { 1, 6 },
+		{ 2, 3 } };
+	static const double dampings[] = { 0, 0.3, 1 };
 
 	for (int i = 0; i < 5 * 24; i++) {
-		const struct bake_wrap wrap = {i % 2, i / 2 % 2};
+		const struct bake_wrap wrap = { i % 2, i / 2 % 2 };
 		const int op = i / 4 % 2;
 		const double damping = dampings[i / 8 % 3];
 		const int w = sizes[i / 24][0], h = sizes[i / 24][1];
@@ -245,7 +248,7 @@ equals_conjugate_gradients(void)
 {
 	enum { W = 8, H = 8, N = W * H };
 	struct bake_image n = noisy_normals(W, H), zero = image(W, H, 3), got;
-	double x[N] = {0}, r[N], d[N], a[N], rr = 0;
+	double x[N] = { 0 }, r[N], d[N], a[N], rr = 0;
 
 	for (int i = 0; i < N; i++) { /* flat normals: g is then D*D f */
 		zero.data[3 * i] = zero.data[3 * i + 1] = 0;
@@ -316,7 +319,7 @@ damping_quiets_eight_bit_normals(void)
 	enum { N = 128 };
 	struct bake_image d = visible_map(N, N, torus), n = BAKE_IMAGE_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
-	double rough[2] = {0, 0}, error[2] = {0, 0};
+	double rough[2] = { 0, 0 }, error[2] = { 0, 0 };
 
 	CHECK_OK(bake_normal_from_depth(
 		     &d, 0.1, torus, BAKE_SLOPE_CENTRAL, 1, &n, &err),
@@ -350,8 +353,9 @@ damping_quiets_eight_bit_normals(void)
 static void
 impossible_normals_are_limited_and_counted(void)
 {
-	static const float bad[][3] = {{0, 0, -1}, {NAN, 0, 1}, {0, 0, 0},
-	    {1, 0, 1e-6f}, {-1, -1, -1}, {0, INFINITY, 1}};
+	static const float bad[][3] = { { 0, 0, -1 }, { NAN, 0, 1 },
+		{ 0, 0, 0 }, { 1, 0, 1e-6f }, { -1, -1, -1 },
+		{ 0, INFINITY, 1 } };
 	const struct bake_integrate_params params =
 	    BAKE_INTEGRATE_PARAMS_DEFAULT;
 	struct bake_image n = image(8, 8, 3), h = BAKE_IMAGE_INIT;
@@ -381,7 +385,7 @@ static void
 threads_do_not_show(void)
 {
 	struct bake_image n = noisy_normals(45, 31);
-	const struct bake_wrap mixed = {false, true};
+	const struct bake_wrap mixed = { false, true };
 	struct bake_image a = height_of(&n, mixed, BAKE_SLOPE_SCHARR, 0, 1);
 
 	for (int nt = 2; nt <= 7; nt += 5) {
@@ -398,7 +402,7 @@ threads_do_not_show(void)
 static void
 height_to_depth(void)
 {
-	static const float in[] = {0.3f, 0.1f, 0.2f, -0.1f};
+	static const float in[] = { 0.3f, 0.1f, 0.2f, -0.1f };
 	struct bake_image h = image(4, 1, 1);
 	struct bake_err err = BAKE_ERR_INIT;
 	double scale = 0;
@@ -462,16 +466,16 @@ int
 main(int argc, char **argv)
 {
 	static const struct check_case cases[] = {
-	    CASE(inverse_of_the_matching_operator),
-	    CASE(clamped_noise_comes_back_whole),
-	    CASE(least_squares_on_normals_that_fit_no_surface),
-	    CASE(equals_conjugate_gradients),
-	    CASE(shift_moves_the_heights),
-	    CASE(damping_quiets_eight_bit_normals),
-	    CASE(impossible_normals_are_limited_and_counted),
-	    CASE(threads_do_not_show),
-	    CASE(height_to_depth),
-	    CASE(bad_arguments_are_told),
+		CASE(inverse_of_the_matching_operator),
+		CASE(clamped_noise_comes_back_whole),
+		CASE(least_squares_on_normals_that_fit_no_surface),
+		CASE(equals_conjugate_gradients),
+		CASE(shift_moves_the_heights),
+		CASE(damping_quiets_eight_bit_normals),
+		CASE(impossible_normals_are_limited_and_counted),
+		CASE(threads_do_not_show),
+		CASE(height_to_depth),
+		CASE(bad_arguments_are_told),
 	};
 
 	return check_main(argc, argv, cases, sizeof cases / sizeof *cases);

@@ -5,7 +5,8 @@
 #include "check.h"
 #include "test_maps.h"
 
-static const enum bake_slope_op ops[] = {BAKE_SLOPE_CENTRAL, BAKE_SLOPE_SCHARR};
+static const enum bake_slope_op ops[] = { BAKE_SLOPE_CENTRAL,
+	BAKE_SLOPE_SCHARR };
 
 /* One rounding of a float of size up to 1. */
 static const double float_eps = 6e-8;
@@ -33,8 +34,9 @@ normals(const struct bake_image *depth, double s, struct bake_wrap wrap,
 static void
 flat_is_exactly_up(void)
 {
-	static const int sizes[][2] = {{1, 1}, {1, 7}, {7, 1}, {2, 2}, {5, 4}};
-	static const double scales[] = {0.1, -0.1, 0};
+	static const int sizes[][2] = { { 1, 1 }, { 1, 7 }, { 7, 1 }, { 2, 2 },
+		{ 5, 4 } };
+	static const double scales[] = { 0.1, -0.1, 0 };
 
 	for (size_t i = 0; i < 5 * 2 * 2 * 3; i++) {
 		struct bake_image d =
@@ -133,8 +135,8 @@ static void
 oracle(const struct bake_image *d, double s, struct bake_wrap wrap, int op,
     int x, int y, double n[3])
 {
-	static const double smooth[2][3] = {
-	    {0, 1, 0}, {3.0 / 16, 10.0 / 16, 3.0 / 16}};
+	static const double smooth[2][3] = { { 0, 1, 0 },
+		{ 3.0 / 16, 10.0 / 16, 3.0 / 16 } };
 	double p = 0, q = 0, len;
 
 	for (int j = -1; j <= 1; j++)
@@ -158,12 +160,13 @@ oracle(const struct bake_image *d, double s, struct bake_wrap wrap, int op,
 static void
 equals_the_obvious_loop(void)
 {
-	static const int sizes[][2] = {{1, 1}, {1, 5}, {2, 3}, {3, 2}, {16, 9}};
+	static const int sizes[][2] = { { 1, 1 }, { 1, 5 }, { 2, 3 }, { 3, 2 },
+		{ 16, 9 } };
 
 	for (int i = 0; i < 5 * 8; i++) {
 		struct bake_image d =
 		    noise(sizes[i / 8][0], sizes[i / 8][1], 1);
-		const struct bake_wrap wrap = {i % 2, i / 2 % 2};
+		const struct bake_wrap wrap = { i % 2, i / 2 % 2 };
 		const int op = i / 4 % 2;
 		struct bake_image n = normals(&d, 0.2, wrap, ops[op], 1);
 
@@ -259,10 +262,12 @@ threads_do_not_show(void)
 static void
 normalize_three_channels(void)
 {
-	static const float in[][3] = {{0, 0, 0}, {3, 0, 4}, {NAN, 0, 1},
-	    {0, INFINITY, 1}, {1e-30f, 0, 0}, {-1, -2, -2}, {1e30f, 0, 0}};
-	static const float want[][3] = {{0, 0, 1}, {0.6f, 0, 0.8f}, {0, 0, 1},
-	    {0, 0, 1}, {0, 0, 1}, {-1 / 3.0f, -2 / 3.0f, -2 / 3.0f}, {0, 0, 1}};
+	static const float in[][3] = { { 0, 0, 0 }, { 3, 0, 4 }, { NAN, 0, 1 },
+		{ 0, INFINITY, 1 }, { 1e-30f, 0, 0 }, { -1, -2, -2 },
+		{ 1e30f, 0, 0 } };
+	static const float want[][3] = { { 0, 0, 1 }, { 0.6f, 0, 0.8f },
+		{ 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 },
+		{ -1 / 3.0f, -2 / 3.0f, -2 / 3.0f }, { 0, 0, 1 } };
 	struct bake_image n = image(7, 1, 3);
 	struct bake_err err = BAKE_ERR_INIT;
 	size_t count = 99;
@@ -278,10 +283,10 @@ normalize_three_channels(void)
 static void
 normalize_adds_the_third_channel(void)
 {
-	static const float in[][2] = {
-	    {0, 0}, {0.6f, 0}, {3, 4}, {NAN, 0}, {0, -1}};
-	static const float want[][3] = {
-	    {0, 0, 1}, {0.6f, 0, 0.8f}, {0.6f, 0.8f, 0}, {0, 0, 1}, {0, -1, 0}};
+	static const float in[][2] = { { 0, 0 }, { 0.6f, 0 }, { 3, 4 },
+		{ NAN, 0 }, { 0, -1 } };
+	static const float want[][3] = { { 0, 0, 1 }, { 0.6f, 0, 0.8f },
+		{ 0.6f, 0.8f, 0 }, { 0, 0, 1 }, { 0, -1, 0 } };
 	struct bake_image n = image(5, 1, 2);
 	struct bake_err err = BAKE_ERR_INIT;
 	size_t count = 99;
@@ -324,16 +329,16 @@ int
 main(int argc, char **argv)
 {
 	static const struct check_case cases[] = {
-	    CASE(flat_is_exactly_up),
-	    CASE(plane_has_its_slopes_and_their_signs),
-	    CASE(tilted_sine_to_second_order),
-	    CASE(equals_the_obvious_loop),
-	    CASE(shift_and_flip_move_the_normals),
-	    CASE(slopes_are_linear_in_the_scale),
-	    CASE(threads_do_not_show),
-	    CASE(normalize_three_channels),
-	    CASE(normalize_adds_the_third_channel),
-	    CASE(bad_arguments_are_told),
+		CASE(flat_is_exactly_up),
+		CASE(plane_has_its_slopes_and_their_signs),
+		CASE(tilted_sine_to_second_order),
+		CASE(equals_the_obvious_loop),
+		CASE(shift_and_flip_move_the_normals),
+		CASE(slopes_are_linear_in_the_scale),
+		CASE(threads_do_not_show),
+		CASE(normalize_three_channels),
+		CASE(normalize_adds_the_third_channel),
+		CASE(bad_arguments_are_told),
 	};
 
 	return check_main(argc, argv, cases, sizeof cases / sizeof *cases);

@@ -31,8 +31,8 @@ good_image_keeps_its_bits(void)
 static void
 every_kind_of_bad_value_is_found(void)
 {
-	static const float bad[] = {
-	    NAN, -NAN, INFINITY, -INFINITY, 1e30f, -1e30f, 3.4e38f};
+	static const float bad[] = { NAN, -NAN, INFINITY, -INFINITY, 1e30f,
+		-1e30f, 3.4e38f };
 
 	for (int i = 0; i < 7; i++)
 		for (int c = 0; c < 3; c++) {
@@ -102,15 +102,15 @@ wrap_decides_at_the_border(void)
 static void
 large_holes_stay_within_the_range(void)
 {
-	static const int sizes[][2] = {
-	    {64, 64}, {37, 53}, {1, 19}, {41, 1}, {2, 2}};
+	static const int sizes[][2] = { { 64, 64 }, { 37, 53 }, { 1, 19 },
+		{ 41, 1 }, { 2, 2 } };
 
 	for (int i = 0; i < 5 * 6; i++) {
 		struct bake_image a =
 		    noise(sizes[i / 6][0], sizes[i / 6][1], 2);
 		const int n = a.width * a.height;
 		const struct bake_wrap wrap = i % 2 ? clamped : torus;
-		float lo[2] = {2, 2}, hi[2] = {-2, -2};
+		float lo[2] = { 2, 2 }, hi[2] = { -2, -2 };
 		size_t nbad = 0;
 
 		for (int k = 0; k < n; k++) {
@@ -173,13 +173,13 @@ int
 main(int argc, char **argv)
 {
 	static const struct check_case cases[] = {
-	    CASE(good_image_keeps_its_bits),
-	    CASE(every_kind_of_bad_value_is_found),
-	    CASE(holes_lie_on_the_plane),
-	    CASE(wrap_decides_at_the_border),
-	    CASE(large_holes_stay_within_the_range),
-	    CASE(threads_do_not_show),
-	    CASE(nothing_to_start_from_is_an_error),
+		CASE(good_image_keeps_its_bits),
+		CASE(every_kind_of_bad_value_is_found),
+		CASE(holes_lie_on_the_plane),
+		CASE(wrap_decides_at_the_border),
+		CASE(large_holes_stay_within_the_range),
+		CASE(threads_do_not_show),
+		CASE(nothing_to_start_from_is_an_error),
 	};
 
 	return check_main(argc, argv, cases, sizeof cases / sizeof *cases);

@@ -5,9 +5,9 @@
 #include "check.h"
 #include "test_maps.h"
 
-static const enum bake_filter filters[] = {BAKE_FILTER_CATMULL_ROM,
-    BAKE_FILTER_BOX, BAKE_FILTER_TRIANGLE, BAKE_FILTER_MITCHELL,
-    BAKE_FILTER_BSPLINE};
+static const enum bake_filter filters[] = { BAKE_FILTER_CATMULL_ROM,
+	BAKE_FILTER_BOX, BAKE_FILTER_TRIANGLE, BAKE_FILTER_MITCHELL,
+	BAKE_FILTER_BSPLINE };
 enum { NFILTERS = 5 };
 
 static struct bake_image
@@ -61,9 +61,9 @@ equal_size_keeps_every_bit(void)
 static void
 constants_keep_their_bits(void)
 {
-	static const int sizes[][2] = {
-	    {1, 1}, {3, 200}, {64, 5}, {77, 78}, {13, 1}};
-	static const float values[] = {0.1f, 1.0f / 3, 0.7f, 1e-40f, -3e5f};
+	static const int sizes[][2] = { { 1, 1 }, { 3, 200 }, { 64, 5 },
+		{ 77, 78 }, { 13, 1 } };
+	static const float values[] = { 0.1f, 1.0f / 3, 0.7f, 1e-40f, -3e5f };
 	struct bake_image src = image(13, 77, 1);
 
 	for (int i = 0; i < 5 * NFILTERS * 2; i++) {
@@ -177,16 +177,16 @@ oracle(const struct bake_image *src, struct bake_wrap wrap, enum bake_filter f,
 static void
 equals_the_double_sum(void)
 {
-	static const int sizes[][2] = {
-	    {1, 1}, {5, 9}, {16, 11}, {31, 6}, {40, 50}};
+	static const int sizes[][2] = { { 1, 1 }, { 5, 9 }, { 16, 11 },
+		{ 31, 6 }, { 40, 50 } };
 	struct bake_image src = noise(16, 11, 2);
-	const double none[2] = {0, 0};
+	const double none[2] = { 0, 0 };
 
 	for (int i = 0; i < 5 * NFILTERS * 4; i++) {
-		const struct bake_wrap wrap = {i % 2, i / 2 % 2};
+		const struct bake_wrap wrap = { i % 2, i / 2 % 2 };
 		const enum bake_filter f = filters[i / 4 % NFILTERS];
 		const int w = sizes[i / 20][0], h = sizes[i / 20][1];
-		const double step[2] = {16.0 / w, 11.0 / h};
+		const double step[2] = { 16.0 / w, 11.0 / h };
 		struct bake_image dst = resampled(&src, wrap, f, w, h);
 
 		for (int k = 0; k < w * h * 2; k++)
@@ -204,8 +204,8 @@ equals_the_double_sum(void)
 static void
 mapping_equals_the_double_sum(void)
 {
-	static const double maps[][4] = {
-	    {2.75, 3, 0.25, -7.5}, {0.3, 0.7, 1000.5, -333}, {40, 25, 0, 5}};
+	static const double maps[][4] = { { 2.75, 3, 0.25, -7.5 },
+		{ 0.3, 0.7, 1000.5, -333 }, { 40, 25, 0, 5 } };
 	struct bake_image src = noise(8, 5, 1);
 
 	for (int i = 0; i < 3 * NFILTERS * 2; i++) {
@@ -387,18 +387,18 @@ int
 main(int argc, char **argv)
 {
 	static const struct check_case cases[] = {
-	    CASE(equal_size_keeps_every_bit),
-	    CASE(constants_keep_their_bits),
-	    CASE(whole_factors_keep_the_mean),
-	    CASE(equals_the_double_sum),
-	    CASE(mapping_equals_the_double_sum),
-	    CASE(shift_moves_the_result),
-	    CASE(magnified_keeps_the_texels_it_hits),
-	    CASE(catmull_rom_reproduces_parabolas),
-	    CASE(range_is_kept_unless_asked),
-	    CASE(minified_stripes_turn_grey),
-	    CASE(threads_do_not_show),
-	    CASE(bad_arguments_are_told),
+		CASE(equal_size_keeps_every_bit),
+		CASE(constants_keep_their_bits),
+		CASE(whole_factors_keep_the_mean),
+		CASE(equals_the_double_sum),
+		CASE(mapping_equals_the_double_sum),
+		CASE(shift_moves_the_result),
+		CASE(magnified_keeps_the_texels_it_hits),
+		CASE(catmull_rom_reproduces_parabolas),
+		CASE(range_is_kept_unless_asked),
+		CASE(minified_stripes_turn_grey),
+		CASE(threads_do_not_show),
+		CASE(bad_arguments_are_told),
 	};
 
 	return check_main(argc, argv, cases, sizeof cases / sizeof *cases);

@@ -9,8 +9,8 @@
 #include "image.h"
 
 static const double pi = 3.14159265358979323846;
-static const struct bake_wrap torus = {false, false};
-static const struct bake_wrap clamped = {true, true};
+static const struct bake_wrap torus = { false, false };
+static const struct bake_wrap clamped = { true, true };
 
 static inline struct bake_image
 image(int w, int h, int nc)
