@@ -13,7 +13,7 @@ need rm-pack rm-aobake make pkg-config
 # while other tests use it.
 make_at_top() {
 	exits 0 env MAKEFLAGS="$OUTER_MAKEFLAGS" make -C "$top" \
-	    B="${B#"$top"/}" MODE="$MODE" "$@"
+	    V=1 B="${B#"$top"/}" MODE="$MODE" "$@"
 	! grep -q -e '-c -o' "$PRIV/out" || bad 'something was built anew'
 }
 
