@@ -80,7 +80,7 @@ struct cmd {
 	struct bake_wrap wrap;
 	enum bake_normal_y normal_y; /* of input; UP by default */
 	bool has_normal_y;
-	enum bake_normal_y output_normal_y; /* UP by default */
+	enum bake_normal_y output_normal_y; /* UNSURE: the target's, or up */
 	enum bake_normal_code normal_code;
 	bool normalize; /* --depth-range auto */
 	bool has_depth_range;

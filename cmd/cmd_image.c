@@ -371,6 +371,19 @@ cmd_smooth_steps(struct cmd *cmd, const struct cmd_map *map,
 	return true;
 }
 
+enum bake_normal_code
+cmd_normal_code(const struct cmd *cmd, const struct cmd_map *map)
+{
+	if (cmd->normal_code != BAKE_NORMAL_CODE_AUTO)
+		return cmd->normal_code;
+	if (map->meta.normal_code != BAKE_NORMAL_CODE_AUTO)
+		return map->meta.normal_code;
+	if (bake_data_format_max(map->info.data_format) != 0 ||
+	    map->img.nchans < 2)
+		return BAKE_NORMAL_CODE_UNSIGNED;
+	return bake_normal_code_of(&map->img);
+}
+
 struct bake_wrap
 cmd_wrap(const struct cmd *cmd, const struct cmd_map *map)
 {

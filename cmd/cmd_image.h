@@ -68,6 +68,11 @@ void cmd_to_depth(struct cmd *cmd, struct cmd_map *map);
 bool cmd_smooth_steps(struct cmd *cmd, const struct cmd_map *map,
     struct bake_image *depth, double scale, struct bake_wrap wrap, bool smooth);
 
+/* How the normals of a map that was read are coded: by the option, else the
+ * metadata, else its type, else its values; never AUTO. */
+enum bake_normal_code cmd_normal_code(
+    const struct cmd *cmd, const struct cmd_map *map);
+
 /* The wrap to use: the option's, else the metadata's, else tile. */
 struct bake_wrap cmd_wrap(const struct cmd *cmd, const struct cmd_map *map);
 

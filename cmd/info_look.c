@@ -47,20 +47,6 @@ declared(const struct cmd *cmd, const struct info_opts *o,
 	return said;
 }
 
-/* How the file's normals are coded: never AUTO. */
-static enum bake_normal_code
-normal_code(const struct cmd *cmd, const struct cmd_map *map)
-{
-	if (cmd->normal_code != BAKE_NORMAL_CODE_AUTO)
-		return cmd->normal_code;
-	if (map->meta.normal_code != BAKE_NORMAL_CODE_AUTO)
-		return map->meta.normal_code;
-	if (bake_data_format_max(map->info.data_format) != 0 ||
-	    map->img.nchans < 2)
-		return BAKE_NORMAL_CODE_UNSIGNED;
-	return bake_normal_code_of(&map->img);
-}
-
 /* The channels in R G B A order: by name where all four are found. */
 static void
 find_rgba(const struct bake_image_info *info, int rgba[4])
@@ -128,7 +114,7 @@ open_maps(const struct cmd *cmd, const struct info_opts *o,
     const struct cmd_map *map, struct bake_maps *maps,
     struct bake_inspection *found, struct bake_err *err)
 {
-	enum bake_normal_code code = normal_code(cmd, map);
+	enum bake_normal_code code = cmd_normal_code(cmd, map);
 	enum bake_status rc;
 	int rgba[4];
 
@@ -153,7 +139,7 @@ open_normals(const struct cmd *cmd, struct info_report *r, struct bake_err *err)
 	find_rgba(&map->info, rgba);
 	rc = bake_maps_extract(&r->maps, &map->img, rgba,
 	    packed ? BAKE_LAYOUT_RELIEF : BAKE_LAYOUT_NORMAL,
-	    normal_code(cmd, map), 0, err);
+	    cmd_normal_code(cmd, map), 0, err);
 	bake_image_free(&r->maps.relief);
 	bake_image_free(&r->maps.ao);
 	return rc;

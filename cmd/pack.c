@@ -94,16 +94,9 @@ unify_code(struct pack *p)
 {
 	struct cmd_map *m = &p->normal;
 	struct bake_err err = BAKE_ERR_INIT;
-	enum bake_normal_code code = p->cmd->normal_code;
+	enum bake_normal_code code = cmd_normal_code(p->cmd, m);
 	bool rebuild = m->img.nchans == 2;
 
-	if (code == BAKE_NORMAL_CODE_AUTO)
-		code = m->meta.normal_code;
-	if (bake_data_format_max(m->info.data_format) != 0 &&
-	    !m->info.is_signed)
-		code = BAKE_NORMAL_CODE_UNSIGNED;
-	if (code == BAKE_NORMAL_CODE_AUTO)
-		code = bake_normal_code_of(&m->img);
 	if (!rebuild && code == BAKE_NORMAL_CODE_UNSIGNED)
 		return true;
 	bake_normal_decode(&m->img, code, false);
