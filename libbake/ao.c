@@ -252,6 +252,14 @@ store_horizons(const struct bake *b, const struct tile *tile,
 	}
 }
 
+/* Fetch a tile's part of a plane into the cache. */
+static void
+fetch(const float *part)
+{
+	for (size_t t = 0; part != NULL && t < BAKE_TILE_TEXELS; t += 16)
+		__builtin_prefetch(part + t, 1, 2);
+}
+
 static void
 bake_tile(const struct bake *b, int j, size_t index)
 {
@@ -260,6 +268,9 @@ bake_tile(const struct bake *b, int j, size_t index)
 	const struct tile tile = tile_at(b, index);
 	float slopes[BAKE_TILE_TEXELS];
 
+	/* while the march goes on */
+	fetch(in_tile(b->sums[0].sum, &tile));
+	fetch(in_tile(b->sums[0].prev, &tile));
 	bake_horizon_tile(&b->horizon, tile.x0, tile.y0, slopes);
 	add_mask[b->horizon.isa](
 	    b->mask + index * TILE_WORDS, slopes, BAKE_TILE_TEXELS);
@@ -442,7 +453,7 @@ bake_ao(const struct bake_image *depth, const double *scales, int nscales,
     const struct bake_ao_params *params, const struct bake_ao_result *result,
     struct bake_err *err)
 {
-	static const enum bake_horizon_far far[] = {
+	static const enum bake_horizon_quality qualities[] = {
 		[BAKE_AO_EXACT] = BAKE_HORIZON_EXACT,
 		[BAKE_AO_FAST] = BAKE_HORIZON_FAST,
 		[BAKE_AO_PREVIEW] = BAKE_HORIZON_PREVIEW,
@@ -461,7 +472,7 @@ bake_ao(const struct bake_image *depth, const double *scales, int nscales,
 		return rc;
 	if ((rc = alloc_horizons(&b, err)) != BAKE_OK ||
 	    (rc = bake_horizon_init(&b.horizon, depth, params->wrap,
-		 params->radius, params->periods, far[params->quality],
+		 params->radius, params->periods, qualities[params->quality],
 		 b.nthreads, err)) != BAKE_OK ||
 	    (rc = alloc_sums(&b, err)) != BAKE_OK)
 		goto out;

@@ -18,8 +18,8 @@ enum bake_ao_estimator {
 
 /*
  * How far every sample of a ray is looked at. Exact: all of it. Fast and
- * preview: the first 32 (16) steps as exact does; beyond, segments of 8 and
- * then 32 steps, each represented by its highest texel at one distance.
+ * preview: the first 32 (16) steps as exact does; beyond, segments of doubling
+ * length, each represented by its highest texel at one distance.
  */
 enum bake_ao_quality { BAKE_AO_EXACT, BAKE_AO_FAST, BAKE_AO_PREVIEW };
 
@@ -104,11 +104,14 @@ struct bake_ao_result {
  * longer than the map.
  *
  * Fast and preview take steps 1 .. 32 (1 .. 16) as above, and the rest, its
- * end rounded up to a whole segment, in segments k .. k + L - 1: L = 8 up to
- * step 128 (64), L = 32 beyond. Of the texels nearest to k + i, i = 0 .. 7, on
- * the ray through the texel nearest to k, the highest counts, at distance
- * (k + 0.53 L) sqrt(1 + m^2); L = 32 is four such pieces, each from the texel
- * nearest to its start.
+ * end rounded up to a whole segment, in segments. One that starts at step k has
+ * the largest L = 2, 4, 8 .. 1024 steps with 4 L <= k (2 L <= k). It is made of
+ * L / 2 blocks of 2 x 2 texels, an odd side of the map being rounded up: with u
+ * the block step (+-1, m) of the ray,
+ *     P_0(b) = max of the texels of block b
+ *     P_(i+1)(b) = max(P_i(b), P_i(b + round(2^i u)))
+ * and its height is P_i(b_t + round(k u / 2)), 2^i = L / 2, b_t the block of
+ * texel t, at distance (k - 1/2 + 0.85 (L - 1)) sqrt(1 + m^2).
  *
  * Blur: a Gaussian of blur_sigma texels, cut off at ceil(4 sigma), wrapped
  * or clamped as the map. It replaces ao where some tan e_j > 0 (not: where
@@ -130,16 +133,18 @@ struct bake_ao_result {
  *              BAKE_IMAGE_INIT
  *
  * Accuracy: exact is within 5e-6 of the formulas in real arithmetic up to
- * S W = 256. On relief and on white noise fast is off by 1e-4 to 1e-3 on
- * average, below the error of 50 directions themselves, and preview by 1e-3 to
- * 5e-3; where lone spikes of one texel are all there is to see, both by 2e-2.
- * Same bytes for every thread count and instruction set; on a torus a shifted
- * map gives the shifted result, bit for bit, at each quality.
+ * S W = 256. Fast is off by 2e-4 to 2e-3 on average, on relief, smooth hills
+ * and white noise alike, which is no more than the error of 50 directions
+ * themselves; preview by 7e-4 to 1e-2.
+ * Same bytes for every thread count and instruction set. On a torus a shifted
+ * map gives the shifted result, bit for bit; fast and preview, whose blocks
+ * stay where they are, do so for even shifts of an even size.
  *
- * Memory beyond depth, for one scale and ao alone, in bytes: 8 a texel for
- * the sums, and 10 (fast and preview: 14) a texel of the map with a border of
- * 80 columns and 18 rows, twice that on a clamped axis. So 19 (fast 24) a
- * texel at 1024 x 1024 and 18.2 (22.3) at 16384 x 16384, where fast thus takes
+ * Memory beyond depth, for one scale and ao alone, in bytes: 8.1 a texel for
+ * the sums; 4 a texel of the map with a border of 80 columns and 18 rows,
+ * twice that on a clamped axis; exact 6 more of these; fast (preview) 1 for
+ * each L up to a quarter (half) of the reach, 10 at most. So 19 (20.5, 21.5) a
+ * texel at 1024 x 1024 and 18.2 (22.4) at 16384 x 16384, where fast thus takes
  * 6.0 GB beyond the map's 1.1 GB. Each further scale takes 12 more, the bent
  * normal 28, horizons 4 ndirs.
  *

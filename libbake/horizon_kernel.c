@@ -1,7 +1,6 @@
 /* The fast march along the rays of a strip, for one instruction set. */
 /* SPDX-License-Identifier: MIT */
 #define BAKE_VEC_256 /* a packet's row is 8 texels */
-#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -35,21 +34,13 @@ struct spot {
 	const float *texels, *windows;
 };
 
-static inline int
-wrap_origin(int i, int size, bool clamp, int border)
-{
-	if (clamp)
-		return i < -border ? -border : i > size ? size : i;
-	return i >= size ? i - size : i;
-}
-
 static inline struct spot
 find_spot(const struct march *m, const struct bake_horizon_place *place)
 {
 	const struct bake_horizon *hz = m->hz;
-	const int x = wrap_origin(
+	const int x = bake_horizon_wrap(
 	    m->x0 + place->x, hz->heights.width, hz->wrap.clamp_u, hz->left);
-	const int y = wrap_origin(
+	const int y = bake_horizon_wrap(
 	    m->y0 + place->y, hz->heights.height, hz->wrap.clamp_v, hz->top);
 	const unsigned px = (unsigned)(x + hz->left) / 2;
 	const unsigned py = (unsigned)(y + hz->top) / 2;
@@ -166,20 +157,18 @@ packet_bound(const struct march *m, int packet, float reach)
 }
 
 /*
- * The rows of the packet with a texel that chunk c may raise: by the crest of
- * each texel's own ray where there is one, else by the packet's window.
+ * The rows of the packet with a texel that chunk c may raise, by the crest of
+ * each texel's own ray.
  */
 static INLINE unsigned
-packet_hit(const struct march *m, int packet, long c, const struct spot *spot,
-    const bool exact)
+packet_hit(const struct march *m, int packet, long c, const struct spot *spot)
 {
 	const struct bake_horizon *hz = m->hz;
 	const size_t stride = hz->heights.row_stride;
 	const vec_f d = vec_set(hz->places[c].reach);
-	const vec_f window = vec_set(spot->windows[packet]);
 	const size_t at = (size_t)packet * BAKE_PACKET_WIDTH;
-	const float *crest =
-	    hz->far + (spot->texels - hz->padded) + hz->chunks[c].far_rel + at;
+	const float *crest = hz->crests + (spot->texels - hz->padded) +
+			     hz->chunks[c].crest_rel + at;
 	const float *here = m->base + at, *slopes = m->slopes + at;
 	unsigned rows = 0;
 
@@ -187,10 +176,9 @@ packet_hit(const struct march *m, int packet, long c, const struct spot *spot,
 		unsigned hit = 0;
 
 		for (int v = 0; v < BAKE_PACKET_WIDTH; v += VEC_LANES) {
-			vec_f top = exact ? vec_load(crest + v) : window;
-
 			hit |= vec_gt_mask(
-			    top - vec_load(here + v), vec_load(slopes + v) * d);
+			    vec_load(crest + v) - vec_load(here + v),
+			    vec_load(slopes + v) * d);
 		}
 		rows |= (unsigned)(hit != 0) << r;
 		crest += stride;
@@ -249,11 +237,11 @@ test_chunk(const struct march *m, const float *windows, float ahead)
  * window cannot raise. */
 static INLINE void
 march_hits(const struct march *m, long c, const struct spot *spot,
-    unsigned hits, const bool x_major, const bool exact)
+    unsigned hits, const bool x_major)
 {
 	for (; hits != 0; hits &= hits - 1) {
 		const int p = __builtin_ctz(hits);
-		unsigned rows = packet_hit(m, p, c, spot, exact);
+		unsigned rows = packet_hit(m, p, c, spot);
 
 		if (__builtin_popcount(rows) >= WHOLE_PACKET) {
 			march_packet(
@@ -266,98 +254,8 @@ march_hits(const struct march *m, long c, const struct spot *spot,
 	}
 }
 
-/* The far field: one sample for all of chunk c. */
-static INLINE void
-march_far(const struct march *m, long c, const struct spot *spot, unsigned hits)
-{
-	const struct bake_horizon *hz = m->hz;
-	const struct bake_horizon_chunk *chunk = &hz->chunks[c];
-	const size_t stride = hz->heights.row_stride;
-	const vec_f w = vec_set(chunk->far_weight);
-	const float *far =
-	    hz->far + (spot->texels - hz->padded) + chunk->far_rel;
-
-	for (; hits != 0; hits &= hits - 1) {
-		const int p = __builtin_ctz(hits) * BAKE_PACKET_WIDTH;
-
-		for (int r = 0; r < BAKE_PACKET_HEIGHT; r++)
-			for (int v = p; v < p + BAKE_PACKET_WIDTH;
-			     v += VEC_LANES) {
-				const size_t at =
-				    (size_t)v + (size_t)r * stride;
-				float *slope =
-				    m->slopes + r * BAKE_STRIP_WIDTH + v;
-
-				vec_store(slope,
-				    vec_max(w * (vec_load(far + at) -
-						    vec_load(m->base + at)),
-					vec_load(slope)));
-			}
-	}
-}
-
-/* n wide samples for one packet. */
-static INLINE void
-march_wide(const struct march *m, const float *const *samples,
-    const float *weights, int n, int packet)
-{
-	const size_t stride = m->hz->heights.row_stride;
-	const size_t at = (size_t)packet * BAKE_PACKET_WIDTH;
-	float *slopes = m->slopes + at;
-
-	for (size_t v = 0; v < BAKE_PACKET_WIDTH; v += VEC_LANES) {
-		vec_f best[BAKE_PACKET_HEIGHT], here[BAKE_PACKET_HEIGHT];
-
-		for (size_t r = 0; r < BAKE_PACKET_HEIGHT; r++) {
-			best[r] = vec_load(slopes + r * BAKE_STRIP_WIDTH + v);
-			here[r] = vec_load(m->base + at + r * stride + v);
-		}
-		for (int i = 0; i < n; i++) {
-			const float *p = samples[i] + at + v;
-			const vec_f w = vec_set(weights[i]);
-
-			for (size_t r = 0; r < BAKE_PACKET_HEIGHT; r++)
-				best[r] = vec_max(
-				    w * (vec_load(p + r * stride) - here[r]),
-				    best[r]);
-		}
-		for (size_t r = 0; r < BAKE_PACKET_HEIGHT; r++)
-			vec_store(slopes + r * BAKE_STRIP_WIDTH + v, best[r]);
-	}
-}
-
-/* The wide samples, for the packets that may still be raised at all. */
-static void
-march_wides(struct march *m)
-{
-	const struct bake_horizon *hz = m->hz;
-
-	for (long c = 0; c < hz->nwide; c += SEGMENT) {
-		const int n =
-		    hz->nwide - c < SEGMENT ? (int)(hz->nwide - c) : SEGMENT;
-		const float *samples[SEGMENT];
-
-		for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
-			if (m->alive >> p & 1 &&
-			    packet_bound(m, p, hz->wide_places[c].reach) >=
-				hz->highest)
-				m->alive &= ~(1u << p);
-		if (m->alive == 0)
-			return;
-		for (int i = 0; i < n; i++)
-			samples[i] =
-			    hz->wide +
-			    (find_spot(m, &hz->wide_places[c + i]).texels -
-				hz->padded);
-		for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
-			if (m->alive >> p & 1)
-				march_wide(
-				    m, samples, hz->wide_weights + c, n, p);
-	}
-}
-
 static inline __attribute__((always_inline)) void
-march_strip(struct march *m, const bool x_major, const bool exact)
+march_strip(struct march *m, const bool x_major)
 {
 	const struct bake_horizon *hz = m->hz;
 	long c = 0, length = 1;
@@ -388,16 +286,10 @@ march_strip(struct march *m, const bool x_major, const bool exact)
 			m->raised |= hits[i];
 		}
 		for (int i = 0; any != 0 && c < end; i++, c++)
-			if (exact || c < hz->nexact)
-				march_hits(
-				    m, c, &spots[i], hits[i], x_major, exact);
-			else
-				march_far(m, c, &spots[i], hits[i]);
+			march_hits(m, c, &spots[i], hits[i], x_major);
 		c = end;
 		length = length < SEGMENT ? 2 * length : SEGMENT;
 	}
-	if (!exact)
-		march_wides(m);
 }
 
 void
@@ -412,60 +304,81 @@ BAKE_KERNEL(bake_horizon_strip)(
 		.slopes = slopes,
 	};
 
-	/* four clones, each with its branches decided */
-	if (hz->dir.x_major && hz->nexact == LONG_MAX)
-		march_strip(&m, true, true);
-	else if (hz->dir.x_major)
-		march_strip(&m, true, false);
-	else if (hz->nexact == LONG_MAX)
-		march_strip(&m, false, true);
+	/* two clones, each with its branches decided */
+	if (hz->dir.x_major)
+		march_strip(&m, true);
 	else
-		march_strip(&m, false, false);
+		march_strip(&m, false);
 }
 
-/* What one entry of the far field is made of: up to 8 places of the source,
- * each on a row of its own, at rel floats from x + dx, dx their least offset.
- */
+static INLINE void
+march_near(const struct march *m, const bool x_major)
+{
+	const struct bake_horizon *hz = m->hz;
+
+	for (long c = 0; c < hz->nchunks; c++) {
+		const struct spot spot = find_spot(m, &hz->places[c]);
+
+		for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
+			march_packet(
+			    m, &hz->chunks[c], spot.texels, p, x_major);
+	}
+}
+
+void
+BAKE_KERNEL(bake_horizon_near)(
+    const struct bake_horizon *hz, int x0, int y0, float *slopes)
+{
+	struct march m = {
+		.hz = hz,
+		.x0 = x0,
+		.y0 = y0,
+		.base = bake_image_row(&hz->heights, y0) + x0,
+		.slopes = slopes,
+	};
+
+	if (hz->dir.x_major)
+		march_near(&m, true);
+	else
+		march_near(&m, false);
+}
+
+/* What a crest is made of: for each step a row of the map, dx being the least
+ * of their offsets. */
 struct taps {
-	int n, dx;
+	int dx;
 	ptrdiff_t minor;
 	const float *at[BAKE_CHUNK];
 };
 
-/* The taps for row y. The y of each wraps by itself, as a wide entry reaches
- * beyond the border. */
+/* The taps for row y. */
 static struct taps
-find_taps(const struct bake_horizon *hz, int y, bool wide)
+find_taps(const struct bake_horizon *hz, int y)
 {
-	const bool exact = hz->nexact == LONG_MAX;
 	const ptrdiff_t stride = (ptrdiff_t)hz->heights.row_stride;
-	const float *src =
-	    wide ? hz->far + hz->top * stride + hz->left : hz->heights.data;
-	struct taps taps = { .n = wide ? BAKE_WIDE : BAKE_CHUNK,
-		.minor = hz->dir.x_major ? stride : 1 };
+	struct taps taps = { .minor = hz->dir.x_major ? stride : 1 };
 	int dx[BAKE_CHUNK];
 
-	for (int i = 0; i < taps.n; i++) {
-		const int k = wide ? i * BAKE_CHUNK : i;
-		const int minor = (int)floor(
-		    k * hz->dir.minor + (exact ? BAKE_HORIZON_SNAP : 0.5));
-		const int dy = hz->dir.x_major ? minor : k * hz->dir.major;
-		const int row =
-		    hz->wrap.clamp_v
-			? wrap_origin(y + dy, hz->heights.height, true, hz->top)
-			: bake_wrap_index(
-			      (long)y + dy, hz->heights.height, false);
+	for (int i = 0; i < BAKE_CHUNK; i++) {
+		const int minor =
+		    (int)floor(i * hz->dir.minor + BAKE_HORIZON_SNAP);
+		const int dy = hz->dir.x_major ? minor : i * hz->dir.major;
+		const int row = hz->wrap.clamp_v
+				    ? bake_horizon_wrap(y + dy,
+					  hz->heights.height, true, hz->top)
+				    : bake_wrap_index((long)y + dy,
+					  hz->heights.height, false);
 
-		dx[i] = hz->dir.x_major ? k * hz->dir.major : minor;
+		dx[i] = hz->dir.x_major ? i * hz->dir.major : minor;
 		taps.dx = dx[i] < taps.dx ? dx[i] : taps.dx;
-		taps.at[i] = src + row * stride;
+		taps.at[i] = hz->heights.data + row * stride;
 	}
-	for (int i = 0; i < taps.n; i++)
+	for (int i = 0; i < BAKE_CHUNK; i++)
 		taps.at[i] += dx[i] - taps.dx;
 	return taps;
 }
 
-/* Exact: the highest texel that any ray through the chunk can meet, wherever
+/* The highest texel that any ray through the chunk can meet, wherever
  * between two texels it starts. */
 static INLINE vec_f
 crest_at(const struct taps *taps, ptrdiff_t x)
@@ -481,37 +394,23 @@ crest_at(const struct taps *taps, ptrdiff_t x)
 	return high;
 }
 
-/* Else: the highest of the texels nearest to the ray that starts at x. */
-static INLINE vec_f
-sample_at(const struct taps *taps, ptrdiff_t x, const int n)
-{
-	vec_f high = vec_load(taps->at[0] + x);
-
-	for (int i = 1; i < n; i++)
-		high = vec_max(vec_load(taps->at[i] + x), high);
-	return high;
-}
-
 void
-BAKE_KERNEL(bake_horizon_far_row)(
-    const struct bake_horizon *hz, int y, bool wide)
+BAKE_KERNEL(bake_horizon_crest_row)(const struct bake_horizon *hz, int y)
 {
-	const struct taps taps = find_taps(hz, y, wide);
+	const struct taps taps = find_taps(hz, y);
 	const int width = hz->heights.width;
 	const int left = hz->left, n = hz->padded_width;
-	const bool exact = hz->nexact == LONG_MAX, clamp = hz->wrap.clamp_u;
-	float *out = (wide ? hz->wide : hz->far) +
-		     (size_t)(y + hz->top) * hz->heights.row_stride;
+	const bool clamp = hz->wrap.clamp_u;
+	float *out =
+	    hz->crests + (size_t)(y + hz->top) * hz->heights.row_stride;
 	int px = bake_wrap_index(taps.dx, width, false);
 
 	for (int x = 0; x < n; x += VEC_LANES) {
 		/* where all is border, anywhere there will do */
-		const int at = clamp ? wrap_origin(x - left + taps.dx,
+		const int at = clamp ? bake_horizon_wrap(x - left + taps.dx,
 					   width + ALL_BORDER, true, left)
 				     : px;
-		vec_f high = exact  ? crest_at(&taps, at)
-			     : wide ? sample_at(&taps, at, BAKE_WIDE)
-				    : sample_at(&taps, at, BAKE_CHUNK);
+		vec_f high = crest_at(&taps, at);
 		float rest[VEC_LANES];
 
 		for (px += VEC_LANES; px >= width;)

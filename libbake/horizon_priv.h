@@ -90,7 +90,6 @@ float bake_horizon_march(const struct bake_image *heights,
  */
 enum {
 	BAKE_CHUNK = 8,
-	BAKE_WIDE = 4, /* chunks */
 	BAKE_PACKET_WIDTH = 8,
 	BAKE_PACKET_HEIGHT = 4,
 	BAKE_STRIP_PACKETS = 8,
@@ -109,10 +108,7 @@ enum {
 struct bake_horizon_chunk {
 	int rel[BAKE_CHUNK];
 	float w0[BAKE_CHUNK], w1[BAKE_CHUNK]; /* negative, see march_row */
-	/* where the chunk's entry in 'far' is, relative as rel; and, where
-	 * it stands for all samples, 1 / its distance */
-	int far_rel;
-	float far_weight;
+	int crest_rel; /* the same of the chunk's entry in 'crests' */
 };
 
 /* Where a chunk is, apart from its samples because it is looked at far more
@@ -142,8 +138,56 @@ bake_horizon_window_row(const struct bake_horizon_windows *w, int y2)
 	return w->data + (size_t)y2 * BAKE_WINDOW_PHASES * w->stride;
 }
 
+/*
+ * The far field of a march that is not exact: what lies beyond the first
+ * 'near' steps of a ray is taken in segments, each represented by its highest
+ * texel at one distance. The map is halved to blocks of 2 x 2 texels, of which
+ * the highest counts, and with u the ray's step from block to block on its
+ * major axis, P_m(b) is the maximum over the 2^m blocks from b on:
+ *     P_0(b) = the highest texel of block b
+ *     P_(m+1)(b) = max(P_m(b), P_m(b + round(2^m u)))
+ * A segment is one value of P_m and serves the four texels of a block.
+ */
+struct bake_horizon_segment {
+	int level;    /* m: 2^(m+1) steps */
+	int x, y;     /* its origin, in blocks from the texel's; reduced */
+	float reach;  /* nothing in it or beyond is nearer */
+	float weight; /* 1 / the distance that it is put at */
+};
+
+enum { BAKE_FAR_LEVELS = 10 };
+
+struct bake_horizon_far {
+	long near;      /* steps, even */
+	int per_octave; /* segments */
+	double place;   /* in a segment, 0 .. 1 */
+
+	int width, height; /* of a level, in blocks */
+	int left, top;     /* of its border */
+	size_t stride, level_size;
+	int nlevels;
+	float *levels; /* P_0, P_1 ... */
+
+	/* the present direction */
+	int top_level;
+	struct {
+		int x, y;
+	} step[BAKE_FAR_LEVELS]; /* round(2^m u) */
+	long nsegments;
+	struct bake_horizon_segment *segments;
+};
+
+/* Segments first .. first + n - 1, and where a tile finds them: the block that
+ * goes with its first texel. */
+enum { BAKE_FAR_SPAN = 32 };
+struct bake_horizon_span {
+	long first;
+	int n;
+	const float *origin[BAKE_FAR_SPAN];
+};
+
 /* How far samples are looked at one by one; see enum bake_ao_quality. */
-enum bake_horizon_far {
+enum bake_horizon_quality {
 	BAKE_HORIZON_EXACT,
 	BAKE_HORIZON_FAST,
 	BAKE_HORIZON_PREVIEW
@@ -167,27 +211,32 @@ struct bake_horizon {
 	long nchunks; /* that the ray is marched in */
 	struct bake_horizon_place *places;
 	struct bake_horizon_chunk *chunks;
-	long nexact; /* chunks before the far field; LONG_MAX: all */
-	long nfar;   /* chunks before the wide ones */
-	/* of the direction: the highest height that a chunk with its origin
-	 * at (x, y) can read for a packet, columns x rows blocks */
+
+	/* exact, of the direction: the highest height that a chunk with its
+	 * origin at (x, y) can read for a packet, columns x rows blocks */
 	struct bake_horizon_windows windows;
 	int columns, rows;
 	struct bake_horizon_windows blocks; /* 2 x 2 texels each */
 	float *scratch;                     /* [nthreads] rows of windows */
-	/* of the direction and each texel of the map and its border, laid
-	 * out as padded. Exact: the highest texel that a chunk's samples can
+	/* exact, of the direction and each texel of the map and its border,
+	 * laid out as padded: the highest texel that a chunk's samples can
 	 * touch when its first is between the texel and its neighbour on the
-	 * minor axis. Else: the highest of the texels nearest to the samples
-	 * when the first is at the texel itself. */
-	float *far;
-	/* not for exact: the same of BAKE_WIDE chunks in a row, the places
-	 * where they are looked up beyond the chunks, and 1 / distance */
-	float *wide;
-	long nwide;
-	struct bake_horizon_place *wide_places;
-	float *wide_weights;
+	 * minor axis */
+	float *crests;
+
+	bool exact;
+	struct bake_horizon_far far; /* else */
 };
+
+/* Where a tile or strip finds origin i of an axis, an offset being reduced: on
+ * the map, or on a clamped axis up to 'border' before it or just beyond it. */
+static inline int
+bake_horizon_wrap(int i, int size, bool clamp, int border)
+{
+	if (clamp)
+		return i < -border ? -border : i > size ? size : i;
+	return i >= size ? i - size : i;
+}
 
 /*
  * Prepare the horizons of depth. *hz is overwritten; free it with
@@ -197,7 +246,8 @@ struct bake_horizon {
  */
 enum bake_status bake_horizon_init(struct bake_horizon *hz,
     const struct bake_image *depth, struct bake_wrap wrap, double radius,
-    int periods, enum bake_horizon_far far, int nthreads, struct bake_err *err);
+    int periods, enum bake_horizon_quality quality, int nthreads,
+    struct bake_err *err);
 
 void bake_horizon_free(struct bake_horizon *hz);
 
@@ -224,12 +274,10 @@ void bake_horizon_windows_row_avx2(
 void bake_horizon_windows_row_avx512(
     const struct bake_horizon *hz, int y2, float *scratch);
 
-/* Row y of far, or (wide) of wide from far; -top <= y < padded_height - top. */
-void bake_horizon_far_row_baseline(
-    const struct bake_horizon *hz, int y, bool wide);
-void bake_horizon_far_row_avx2(const struct bake_horizon *hz, int y, bool wide);
-void bake_horizon_far_row_avx512(
-    const struct bake_horizon *hz, int y, bool wide);
+/* Row y of the crests, -top <= y < padded_height - top. */
+void bake_horizon_crest_row_baseline(const struct bake_horizon *hz, int y);
+void bake_horizon_crest_row_avx2(const struct bake_horizon *hz, int y);
+void bake_horizon_crest_row_avx512(const struct bake_horizon *hz, int y);
 
 /* One strip, its first texel (x0, y0), in the present direction;
  * slopes[4][64] are raised. */
@@ -239,5 +287,45 @@ void bake_horizon_strip_avx2(
     const struct bake_horizon *hz, int x0, int y0, float *slopes);
 void bake_horizon_strip_avx512(
     const struct bake_horizon *hz, int x0, int y0, float *slopes);
+
+/* The same, dense, for the chunks before the far field. */
+void bake_horizon_near_baseline(
+    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+void bake_horizon_near_avx2(
+    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+void bake_horizon_near_avx512(
+    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+
+/* Make the far field of a horizon whose heights are there, turn it to the
+ * present direction (by a team, as bake_horizon_aim), free it. */
+enum bake_status bake_horizon_far_init(
+    struct bake_horizon *hz, int nthreads, struct bake_err *err);
+void bake_horizon_far_aim(struct bake_horizon *hz);
+void bake_horizon_far_free(struct bake_horizon_far *far);
+
+/* Block (0, y) of a level; -top <= y. */
+float *bake_horizon_far_row(
+    const struct bake_horizon_far *far, int level, int y);
+
+/* dst = max(a, b) */
+void bake_horizon_higher_baseline(
+    float *dst, const float *a, const float *b, size_t n);
+void bake_horizon_higher_avx2(
+    float *dst, const float *a, const float *b, size_t n);
+void bake_horizon_higher_avx512(
+    float *dst, const float *a, const float *b, size_t n);
+
+/* The next segments for the tile at (x0, y0), and fetch them into the cache;
+ * returns the first of those after them. */
+long bake_horizon_far_span(const struct bake_horizon *hz, int x0, int y0,
+    long first, struct bake_horizon_span *span);
+
+/* Raise the slopes of one tile, its first texel at base, by these segments. */
+void bake_horizon_far_march_baseline(const struct bake_horizon *hz,
+    const struct bake_horizon_span *span, const float *base, float *slopes);
+void bake_horizon_far_march_avx2(const struct bake_horizon *hz,
+    const struct bake_horizon_span *span, const float *base, float *slopes);
+void bake_horizon_far_march_avx512(const struct bake_horizon *hz,
+    const struct bake_horizon_span *span, const float *base, float *slopes);
 
 #endif

@@ -19,9 +19,6 @@ enum { SIDE_MAX = 1 << 27 };
  */
 enum { BORDER_X = 80, BORDER_Y = 16, BEYOND_X = 80, BEYOND_Y = 18 };
 
-/* Where in its 8 steps the far field's highest sample is put, 0 .. 7. */
-#define FAR_PLACE 4.25
-
 static float
 absolute(float v)
 {
@@ -130,10 +127,8 @@ make_chunk(const struct bake_horizon *hz, long c)
 	struct bake_horizon_step steps[BAKE_CHUNK];
 	const long stride = (long)hz->heights.row_stride;
 	const long first = c * BAKE_CHUNK + 1;
-	const double middle = (double)first + FAR_PLACE;
 	const long minor =
-	    (long)floor((double)first * hz->dir.minor +
-			(hz->nexact == LONG_MAX ? BAKE_HORIZON_SNAP : 0.5));
+	    (long)floor((double)first * hz->dir.minor + BAKE_HORIZON_SNAP);
 	long x = LONG_MAX, y = LONG_MAX;
 
 	for (int i = 0; i < BAKE_CHUNK; i++) {
@@ -143,21 +138,16 @@ make_chunk(const struct bake_horizon *hz, long c)
 		x = steps[i].dx < x ? steps[i].dx : x;
 		y = steps[i].dy < y ? steps[i].dy : y;
 	}
-	if (hz->nexact != LONG_MAX) { /* see set_direction */
-		x -= !hz->dir.x_major;
-		y -= hz->dir.x_major;
-	}
 	for (int i = 0; i < BAKE_CHUNK; i++) {
 		chunk->rel[i] =
 		    (int)((steps[i].dy - y) * stride + steps[i].dx - x);
 		chunk->w0[i] = -steps[i].w0;
 		chunk->w1[i] = -steps[i].w1;
 	}
-	chunk->far_rel =
+	chunk->crest_rel =
 	    hz->dir.x_major
 		? (int)((minor - y) * stride + first * hz->dir.major - x)
 		: (int)((first * hz->dir.major - y) * stride + minor - x);
-	chunk->far_weight = (float)(1 / (middle * hz->dir.pitch));
 	hz->places[c] = (struct bake_horizon_place){
 		reduce_offset(x, hz->heights.width, hz->wrap.clamp_u),
 		reduce_offset(y, hz->heights.height, hz->wrap.clamp_v),
@@ -165,31 +155,10 @@ make_chunk(const struct bake_horizon *hz, long c)
 	};
 }
 
-/* Where wide sample c is: chunk nfar + BAKE_WIDE c and those after it. */
-static void
-make_wide(const struct bake_horizon *hz, long c)
-{
-	const long first = (hz->nfar + c * BAKE_WIDE) * BAKE_CHUNK + 1;
-	const long minor = (long)floor((double)first * hz->dir.minor + 0.5);
-	const long major = first * hz->dir.major;
-
-	hz->wide_places[c] = (struct bake_horizon_place){
-		reduce_offset(hz->dir.x_major ? major : minor,
-		    hz->heights.width, hz->wrap.clamp_u),
-		reduce_offset(hz->dir.x_major ? minor : major,
-		    hz->heights.height, hz->wrap.clamp_v),
-		(float)((double)first * hz->dir.pitch * (1 - 0x1p-19)),
-	};
-	hz->wide_weights[c] =
-	    (float)(1 /
-		    (((double)first + FAR_PLACE * BAKE_WIDE) * hz->dir.pitch));
-}
-
 /*
  * Set up the direction, without its tables. 8 steps run over ceil(7 |m|)
  * texels of the minor axis at most; interpolation reads one more, and so does
- * a window that serves the odd texels as well. The far field begins its
- * chunks at the nearest texel, so they may lie one texel beyond either side.
+ * a window that serves the odd texels as well.
  */
 static void
 set_direction(struct bake_horizon *hz, int j, int n)
@@ -199,15 +168,9 @@ set_direction(struct bake_horizon *hz, int j, int n)
 	bake_horizon_dir_init(&hz->dir, j, n, hz->heights.width,
 	    hz->heights.height, hz->radius, hz->periods);
 	hz->nchunks = (hz->dir.nsteps + BAKE_CHUNK - 1) / BAKE_CHUNK;
-	hz->nwide = 0;
-	if (hz->nchunks > hz->nfar) {
-		hz->nwide =
-		    (hz->nchunks - hz->nfar + BAKE_WIDE - 1) / BAKE_WIDE;
-		hz->nchunks = hz->nfar;
-	}
+	if (!hz->exact && hz->nchunks > hz->far.near / BAKE_CHUNK)
+		hz->nchunks = hz->far.near / BAKE_CHUNK;
 	minor = (int)ceil(fabs(hz->dir.minor) * (BAKE_CHUNK - 1)) + 1;
-	if (hz->nexact != LONG_MAX)
-		minor += 2;
 	hz->columns =
 	    (BAKE_PACKET_WIDTH + 1 + (hz->dir.x_major ? major : minor) + 1) / 2;
 	hz->rows =
@@ -218,8 +181,8 @@ set_direction(struct bake_horizon *hz, int j, int n)
 void
 bake_horizon_aim(struct bake_horizon *hz, int j, int n)
 {
-	static void (*const far_row[])(const struct bake_horizon *, int, bool) =
-	    BAKE_KERNEL_TABLE(bake_horizon_far_row);
+	static void (*const crest_row[])(const struct bake_horizon *, int) =
+	    BAKE_KERNEL_TABLE(bake_horizon_crest_row);
 	static void (*const windows_row[])(const struct bake_horizon *, int,
 	    float *) = BAKE_KERNEL_TABLE(bake_horizon_windows_row);
 	const size_t scratch = 2 * BAKE_WINDOW_PHASES * hz->windows.stride;
@@ -229,31 +192,23 @@ bake_horizon_aim(struct bake_horizon *hz, int j, int n)
 #pragma omp for schedule(static) nowait
 	for (long c = 0; c < hz->nchunks; c++)
 		make_chunk(hz, c);
+	if (!hz->exact) {
+		bake_horizon_far_aim(hz);
+		return;
+	}
 #pragma omp for schedule(static) nowait
 	for (int y2 = 0; y2 < window_nrows(hz); y2++)
 		windows_row[hz->isa](hz, y2,
 		    hz->scratch + scratch * (size_t)omp_get_thread_num());
-#pragma omp for schedule(static) nowait
-	for (long c = 0; c < hz->nwide; c++)
-		make_wide(hz, c);
 #pragma omp for schedule(static)
 	for (int y = 0; y < hz->padded_height; y++)
-		far_row[hz->isa](hz, y - hz->top, false);
-	if (hz->nwide > 0)
-#pragma omp for schedule(static)
-		for (int y = 0; y < hz->padded_height; y++)
-			far_row[hz->isa](hz, y - hz->top, true);
+		crest_row[hz->isa](hz, y - hz->top);
 }
 
+/* What tells the exact march which chunks to skip. */
 static enum bake_status
 alloc_tables(struct bake_horizon *hz, int nthreads, struct bake_err *err)
 {
-	const int width = hz->heights.width, height = hz->heights.height;
-	const long longer = width > height ? width : height;
-	const size_t nsteps =
-	    (size_t)(hz->radius > 0 ? hz->radius * width
-				    : (double)hz->periods * (double)longer);
-	const size_t nchunks = nsteps / BAKE_CHUNK + 1;
 	const size_t nblock_rows = (size_t)hz->padded_height / 2;
 	size_t nwindows, nscratch;
 
@@ -264,20 +219,16 @@ alloc_tables(struct bake_horizon *hz, int nthreads, struct bake_err *err)
 	    !bake_mul_size(2 * hz->windows.stride * BAKE_WINDOW_PHASES,
 		(size_t)nthreads, &nscratch))
 		return bake_fail(err, BAKE_ENOMEM,
-		    "%dx%d texels do not fit in memory", width, height);
-	hz->places = bake_alloc(nchunks, sizeof *hz->places, err);
-	hz->chunks = bake_alloc(nchunks, sizeof *hz->chunks, err);
-	hz->wide_places =
-	    bake_alloc(nchunks / BAKE_WIDE + 1, sizeof *hz->wide_places, err);
-	hz->wide_weights =
-	    bake_alloc(nchunks / BAKE_WIDE + 1, sizeof *hz->wide_weights, err);
+		    "%dx%d texels do not fit in memory", hz->heights.width,
+		    hz->heights.height);
 	hz->windows.data = bake_alloc(nwindows, sizeof(float), err);
 	hz->blocks.data = bake_alloc(nwindows, sizeof(float), err);
 	hz->scratch = bake_alloc(nscratch, sizeof *hz->scratch, err);
-	if (hz->places == NULL || hz->chunks == NULL ||
-	    hz->wide_places == NULL || hz->wide_weights == NULL ||
-	    hz->windows.data == NULL || hz->blocks.data == NULL ||
-	    hz->scratch == NULL)
+	hz->crests =
+	    bake_alloc((size_t)hz->padded_width * (size_t)hz->padded_height,
+		sizeof *hz->crests, err);
+	if (hz->windows.data == NULL || hz->blocks.data == NULL ||
+	    hz->scratch == NULL || hz->crests == NULL)
 		return BAKE_ENOMEM;
 #pragma omp parallel for num_threads(nthreads) schedule(static)
 	for (int y2 = 0; y2 < hz->padded_height / 2; y2++)
@@ -285,36 +236,50 @@ alloc_tables(struct bake_horizon *hz, int nthreads, struct bake_err *err)
 	return BAKE_OK;
 }
 
+static enum bake_status
+alloc_chunks(struct bake_horizon *hz, struct bake_err *err)
+{
+	const long longer = hz->heights.width > hz->heights.height
+				? hz->heights.width
+				: hz->heights.height;
+	size_t n =
+	    (size_t)(hz->radius > 0 ? hz->radius * hz->heights.width
+				    : (double)hz->periods * (double)longer) /
+		BAKE_CHUNK +
+	    1;
+
+	hz->places = bake_alloc(n, sizeof *hz->places, err);
+	hz->chunks = bake_alloc(n, sizeof *hz->chunks, err);
+	return hz->places != NULL && hz->chunks != NULL ? BAKE_OK : BAKE_ENOMEM;
+}
+
 enum bake_status
 bake_horizon_init(struct bake_horizon *hz, const struct bake_image *depth,
     struct bake_wrap wrap, double radius, int periods,
-    enum bake_horizon_far far, int nthreads, struct bake_err *err)
+    enum bake_horizon_quality quality, int nthreads, struct bake_err *err)
 {
-	/* chunks, of 8 steps, that are marched exactly, and before wide ones */
-	static const long limits[][2] = {
-		[BAKE_HORIZON_EXACT] = { LONG_MAX, LONG_MAX },
-		[BAKE_HORIZON_FAST] = { 4, 16 },
-		[BAKE_HORIZON_PREVIEW] = { 2, 8 },
+	static const struct bake_horizon_far far[] = {
+		[BAKE_HORIZON_FAST] = { .near = 32,
+		    .per_octave = 4,
+		    .place = 0.85 },
+		[BAKE_HORIZON_PREVIEW] = { .near = 16,
+		    .per_octave = 2,
+		    .place = 0.85 },
 	};
-	size_t ntexels;
 	enum bake_status rc;
 
 	*hz = (struct bake_horizon){ .wrap = wrap,
 		.isa = bake_isa_pick(),
 		.radius = radius,
 		.periods = periods,
-		.nexact = limits[far][0],
-		.nfar = limits[far][1] };
+		.exact = quality == BAKE_HORIZON_EXACT };
+	if (!hz->exact)
+		hz->far = far[quality];
 	if ((rc = make_heights(hz, depth, nthreads, err)) != BAKE_OK ||
-	    (rc = alloc_tables(hz, nthreads, err)) != BAKE_OK)
+	    (rc = alloc_chunks(hz, err)) != BAKE_OK)
 		return rc;
-	ntexels = (size_t)hz->padded_width * (size_t)hz->padded_height;
-	if ((hz->far = bake_alloc(ntexels, sizeof *hz->far, err)) == NULL)
-		return BAKE_ENOMEM;
-	if (far != BAKE_HORIZON_EXACT &&
-	    (hz->wide = bake_alloc(ntexels, sizeof *hz->wide, err)) == NULL)
-		return BAKE_ENOMEM;
-	return BAKE_OK;
+	return hz->exact ? alloc_tables(hz, nthreads, err)
+			 : bake_horizon_far_init(hz, nthreads, err);
 }
 
 void
@@ -326,11 +291,32 @@ bake_horizon_free(struct bake_horizon *hz)
 	free(hz->windows.data);
 	free(hz->blocks.data);
 	free(hz->scratch);
-	free(hz->far);
-	free(hz->wide);
-	free(hz->wide_places);
-	free(hz->wide_weights);
+	free(hz->crests);
+	bake_horizon_far_free(&hz->far);
 	*hz = (struct bake_horizon){ .padded = NULL };
+}
+
+/* Near field and far; the far field's first segments are on their way into the
+ * cache while the near field is marched. */
+static void
+march_fast(
+    const struct bake_horizon *hz, int x0, int y0, int nrows, float *slopes)
+{
+	static void (*const near[])(const struct bake_horizon *, int, int,
+	    float *) = BAKE_KERNEL_TABLE(bake_horizon_near);
+	static void (*const far[])(const struct bake_horizon *,
+	    const struct bake_horizon_span *, const float *, float *) =
+	    BAKE_KERNEL_TABLE(bake_horizon_far_march);
+	struct bake_horizon_span span;
+	long next = bake_horizon_far_span(hz, x0, y0, 0, &span);
+
+	for (int y = 0; y < nrows; y += BAKE_PACKET_HEIGHT)
+		near[hz->isa](hz, x0, y0 + y, slopes + y * BAKE_TILE_WIDTH);
+	while (span.n > 0) {
+		far[hz->isa](
+		    hz, &span, bake_image_row(&hz->heights, y0) + x0, slopes);
+		next = bake_horizon_far_span(hz, x0, y0, next, &span);
+	}
 }
 
 void
@@ -339,10 +325,15 @@ bake_horizon_tile(const struct bake_horizon *hz, int x0, int y0,
 {
 	static void (*const strip[])(const struct bake_horizon *, int, int,
 	    float *) = BAKE_KERNEL_TABLE(bake_horizon_strip);
+	const int left = hz->heights.height - y0;
+	const int nrows = left < BAKE_TILE_HEIGHT ? left : BAKE_TILE_HEIGHT;
 
 	for (int t = 0; t < BAKE_TILE_TEXELS; t++)
 		slopes[t] = 0;
-	for (int y = 0; y < BAKE_TILE_HEIGHT && y0 + y < hz->heights.height;
-	     y += BAKE_PACKET_HEIGHT)
+	if (!hz->exact) {
+		march_fast(hz, x0, y0, nrows, slopes);
+		return;
+	}
+	for (int y = 0; y < nrows; y += BAKE_PACKET_HEIGHT)
 		strip[hz->isa](hz, x0, y0 + y, slopes + y * BAKE_TILE_WIDTH);
 }

@@ -9,6 +9,9 @@
  * comparison) is named here. All operations are IEEE single precision
  * and give the same bits in every width. vec_max(a, b) is a > b ? a : b, so
  * that a NaN in a is dropped and -0 against 0 yields b.
+ *
+ * vec_unzip parts what is stored as e0 o0 e1 o1 ... into e and o; vec_zip puts
+ * it together again.
  */
 #if defined(__AVX512F__) && !defined(BAKE_VEC_256)
 #include <immintrin.h>
@@ -62,6 +65,31 @@ static inline float
 vec_lowest(vec_f a)
 {
 	return _mm512_reduce_min_ps(a);
+}
+
+static inline void
+vec_unzip(const float *p, vec_f *even, vec_f *odd)
+{
+	const __m512i e = _mm512_setr_epi32(
+	    0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+	const __m512i o = _mm512_setr_epi32(
+	    1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+	const vec_f a = vec_load(p), b = vec_load(p + VEC_LANES);
+
+	*even = _mm512_permutex2var_ps(a, e, b);
+	*odd = _mm512_permutex2var_ps(a, o, b);
+}
+
+static inline void
+vec_zip(float *p, vec_f even, vec_f odd)
+{
+	const __m512i lo = _mm512_setr_epi32(
+	    0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+	const __m512i hi = _mm512_setr_epi32(
+	    8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+
+	vec_store(p, _mm512_permutex2var_ps(even, lo, odd));
+	vec_store(p + VEC_LANES, _mm512_permutex2var_ps(even, hi, odd));
 }
 
 #elif defined(__AVX2__)
@@ -121,6 +149,31 @@ vec_lowest(vec_f a)
 	return _mm_cvtss_f32(_mm_min_ss(m, _mm_shuffle_ps(m, m, 1)));
 }
 
+static inline vec_f
+vec_middle_swapped(vec_f a)
+{
+	return _mm256_castpd_ps(
+	    _mm256_permute4x64_pd(_mm256_castps_pd(a), 0xd8));
+}
+
+static inline void
+vec_unzip(const float *p, vec_f *even, vec_f *odd)
+{
+	const vec_f a = vec_load(p), b = vec_load(p + VEC_LANES);
+
+	*even = vec_middle_swapped(_mm256_shuffle_ps(a, b, 0x88));
+	*odd = vec_middle_swapped(_mm256_shuffle_ps(a, b, 0xdd));
+}
+
+static inline void
+vec_zip(float *p, vec_f even, vec_f odd)
+{
+	const vec_f e = vec_middle_swapped(even), o = vec_middle_swapped(odd);
+
+	vec_store(p, _mm256_unpacklo_ps(e, o));
+	vec_store(p + VEC_LANES, _mm256_unpackhi_ps(e, o));
+}
+
 #elif defined(__SSE2__)
 #include <emmintrin.h>
 enum { VEC_LANES = 4 };
@@ -173,6 +226,22 @@ vec_lowest(vec_f a)
 {
 	a = _mm_min_ps(a, _mm_movehl_ps(a, a));
 	return _mm_cvtss_f32(_mm_min_ss(a, _mm_shuffle_ps(a, a, 1)));
+}
+
+static inline void
+vec_unzip(const float *p, vec_f *even, vec_f *odd)
+{
+	const vec_f a = vec_load(p), b = vec_load(p + VEC_LANES);
+
+	*even = _mm_shuffle_ps(a, b, 0x88);
+	*odd = _mm_shuffle_ps(a, b, 0xdd);
+}
+
+static inline void
+vec_zip(float *p, vec_f even, vec_f odd)
+{
+	vec_store(p, _mm_unpacklo_ps(even, odd));
+	vec_store(p + VEC_LANES, _mm_unpackhi_ps(even, odd));
 }
 
 #else /* any other machine: four lanes, which compilers turn into NEON */
@@ -250,6 +319,24 @@ vec_lowest(vec_f a)
 	for (int i = 1; i < VEC_LANES; i++)
 		low = a[i] < low ? a[i] : low;
 	return low;
+}
+
+static inline void
+vec_unzip(const float *p, vec_f *even, vec_f *odd)
+{
+	for (int i = 0; i < VEC_LANES; i++) {
+		(*even)[i] = p[2 * i];
+		(*odd)[i] = p[2 * i + 1];
+	}
+}
+
+static inline void
+vec_zip(float *p, vec_f even, vec_f odd)
+{
+	for (int i = 0; i < VEC_LANES; i++) {
+		p[2 * i] = even[i];
+		p[2 * i + 1] = odd[i];
+	}
 }
 #endif
 

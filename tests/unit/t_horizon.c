@@ -48,7 +48,69 @@ struct setup {
 	struct bake_wrap wrap;
 	double radius;
 	int periods, ndirs;
+	enum bake_horizon_quality quality; /* exact */
 };
+
+/* P_i(b) of ao.h, as it is written there. */
+static float
+run_maximum(const struct bake_horizon *hz, int i, long x, long y)
+{
+	const int width = hz->heights.width, height = hz->heights.height;
+	const int bx = bake_wrap_index(x, (width + 1) / 2, hz->wrap.clamp_u);
+	const int by = bake_wrap_index(y, (height + 1) / 2, hz->wrap.clamp_v);
+	float high = -INFINITY;
+
+	if (i > 0) {
+		const long major = (1L << (i - 1)) * hz->dir.major;
+		const long minor =
+		    (long)floor((1 << (i - 1)) * hz->dir.minor + 0.5);
+
+		return fmaxf(run_maximum(hz, i - 1, bx, by),
+		    run_maximum(hz, i - 1,
+			bx + (hz->dir.x_major ? major : minor),
+			by + (hz->dir.x_major ? minor : major)));
+	}
+	for (int py = 2 * by; py < 2 * by + 2 && py < height; py++)
+		for (int px = 2 * bx; px < 2 * bx + 2 && px < width; px++)
+			high =
+			    fmaxf(high, bake_image_row(&hz->heights, py)[px]);
+	return high;
+}
+
+/* The march of fast and preview, as it is defined in ao.h. */
+static float
+march_far(const struct bake_horizon *hz, enum bake_horizon_quality quality,
+    int x, int y)
+{
+	const int near = quality == BAKE_HORIZON_FAST ? 32 : 16;
+	const int per_octave = quality == BAKE_HORIZON_FAST ? 4 : 2;
+	const float h = bake_image_row(&hz->heights, y)[x];
+	struct bake_horizon_dir dir = hz->dir;
+	long length;
+	float best;
+
+	dir.nsteps = dir.nsteps < near ? dir.nsteps : near;
+	best = bake_horizon_march(&hz->heights, hz->wrap, &dir, x, y);
+	for (long k = near; k < hz->dir.nsteps; k += length) {
+		const long major = k / 2 * dir.major;
+		const long minor =
+		    (long)floor((double)(k / 2) * dir.minor + 0.5);
+		int i = 0;
+		float high;
+
+		for (length = 2; length < 1024 && 2 * length * per_octave <= k;
+		     length *= 2)
+			i++;
+		high = run_maximum(hz, i, x / 2 + (dir.x_major ? major : minor),
+		    y / 2 + (dir.x_major ? minor : major));
+		best = fmaxf(best,
+		    (float)(1 /
+			    (((double)k - 0.5 + 0.85 * (double)(length - 1)) *
+				dir.pitch)) *
+			(high - h));
+	}
+	return best;
+}
 
 /* The number of texels where tile and plain march differ, all directions. */
 static int
@@ -60,7 +122,7 @@ count_differences(const struct bake_image *depth, const struct setup *s)
 	int ndiffer = 0;
 
 	CHECK_OK(bake_horizon_init(&hz, depth, s->wrap, s->radius, s->periods,
-		     BAKE_HORIZON_EXACT, 1, &err),
+		     s->quality, 1, &err),
 	    err);
 	for (int j = 0; j < s->ndirs; j++) {
 		bake_horizon_aim(&hz, j, s->ndirs);
@@ -79,8 +141,10 @@ count_differences(const struct bake_image *depth, const struct setup *s)
 
 				if (px >= depth->width || py >= depth->height)
 					continue;
-				want = bake_horizon_march(
-				    &hz.heights, s->wrap, &hz.dir, px, py);
+				want = s->quality == BAKE_HORIZON_EXACT
+					   ? bake_horizon_march(&hz.heights,
+						 s->wrap, &hz.dir, px, py)
+					   : march_far(&hz, s->quality, px, py);
 				ndiffer +=
 				    memcmp(&want, &slopes[i], sizeof want) != 0;
 			}
@@ -95,17 +159,23 @@ fast_march_equals_plain_march(void)
 {
 	static const char *const isas[] = { "baseline", "avx2", "avx512" };
 	static const struct setup setups[] = {
-		{ { false, false }, 0, 1, 10 },
-		{ { true, false }, 0, 1, 7 },
-		{ { false, true }, 0, 1, 7 },
-		{ { true, true }, 0.4, 1, 8 },
-		{ { false, false }, 2.3, 1, 5 },
+		{ { false, false }, 0, 1, 10, BAKE_HORIZON_EXACT },
+		{ { true, false }, 0, 1, 7, BAKE_HORIZON_EXACT },
+		{ { false, true }, 0, 1, 7, BAKE_HORIZON_EXACT },
+		{ { true, true }, 0.4, 1, 8, BAKE_HORIZON_EXACT },
+		{ { false, false }, 2.3, 1, 5, BAKE_HORIZON_EXACT },
+		{ { false, false }, 0, 1, 10, BAKE_HORIZON_FAST },
+		{ { true, false }, 0, 3, 7, BAKE_HORIZON_FAST },
+		{ { false, true }, 0, 1, 7, BAKE_HORIZON_PREVIEW },
+		{ { true, true }, 0.7, 1, 8, BAKE_HORIZON_PREVIEW },
+		{ { false, false }, 2.3, 1, 5, BAKE_HORIZON_PREVIEW },
 	};
+	enum { NSETUPS = sizeof setups / sizeof *setups };
 
 	for (int isa = 0; isa < 3; isa++) {
 		setenv("BAKE_ISA", isas[isa], 1);
 		for (int kind = 0; kind < NKINDS; kind++)
-			for (int i = 0; i < 5; i++) {
+			for (int i = 0; i < NSETUPS; i++) {
 				struct bake_image depth =
 				    make_map((enum kind)kind, 90, 61);
 
@@ -123,18 +193,18 @@ fast_march_equals_plain_march_on_odd_sizes(void)
 	static const int sizes[][2] = { { 1, 1 }, { 1, 70 }, { 70, 1 },
 		{ 2, 2 }, { 3, 5 }, { 63, 17 }, { 64, 16 }, { 65, 33 },
 		{ 129, 4 } };
-	struct setup s = { { false, false }, 0, 2, 9 };
+	struct setup s = { { false, false }, 0, 2, 9, BAKE_HORIZON_EXACT };
 
-	for (int i = 0; i < 9; i++)
-		for (int clamp = 0; clamp < 4; clamp++) {
-			struct bake_image depth =
-			    make_map(NOISE, sizes[i][0], sizes[i][1]);
+	for (int i = 0; i < 9 * 4 * 3; i++) {
+		const int *size = sizes[i / 12];
+		struct bake_image depth = make_map(NOISE, size[0], size[1]);
 
-			s.wrap.clamp_u = clamp & 1;
-			s.wrap.clamp_v = clamp >> 1;
-			CHECK(count_differences(&depth, &s) == 0);
-			bake_image_free(&depth);
-		}
+		s.wrap.clamp_u = i & 1;
+		s.wrap.clamp_v = i >> 1 & 1;
+		s.quality = (enum bake_horizon_quality)(i / 4 % 3);
+		CHECK(count_differences(&depth, &s) == 0);
+		bake_image_free(&depth);
+	}
 }
 
 /* Directions 0, 1/4, 1/2 and 3/4 of a turn: right, up, left, down. */
