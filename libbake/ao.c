@@ -335,8 +335,11 @@ report(const struct bake_progress *progress, double done)
 /*
  * The tile to bake as number t, 0 <= t < ntiles. A ray's texels are far apart
  * in memory, so one tile after the other is taken along the ray: the next one
- * reads what the last one read, which is still in the cache.
+ * reads what the last one read, which is still in the cache. Such a run ends
+ * after RUN texels, for the run beside it reads the same rows.
  */
+enum { RUN = 512 };
+
 static size_t
 tile_in_order(const struct bake *b, size_t t)
 {
@@ -344,13 +347,18 @@ tile_in_order(const struct bake *b, size_t t)
 	const double slope = dir->minor * dir->major;
 	const size_t length = dir->x_major ? b->across : b->down;
 	const size_t breadth = dir->x_major ? b->down : b->across;
-	const size_t along = t % length;
 	const double aspect = dir->x_major
 				  ? (double)BAKE_TILE_WIDTH / BAKE_TILE_HEIGHT
 				  : (double)BAKE_TILE_HEIGHT / BAKE_TILE_WIDTH;
+	const size_t most =
+	    RUN / (dir->x_major ? BAKE_TILE_WIDTH : BAKE_TILE_HEIGHT);
+	const size_t first = t / (most * breadth) * most;
+	const size_t run = length - first < most ? length - first : most;
+	const size_t rest = t - first * breadth;
+	const size_t along = first + rest % run;
 	const long shift = (long)floor((double)along * slope * aspect);
 	const size_t aside = (size_t)bake_wrap_index(
-	    (long)(t / length) + shift, (int)breadth, false);
+	    (long)(rest / run) + shift, (int)breadth, false);
 
 	return dir->x_major ? aside * b->across + along
 			    : along * b->across + aside;
