@@ -20,7 +20,7 @@ Q := $(if $(V),,@)
 SAY = @mkdir -p $(@D)$(if $(V),,; echo '  $@')
 
 # -- flags ---------------------------------------------------------------
-PKGS := OpenImageIO OpenEXR fftw3 jansson
+PKGS := OpenImageIO OpenColorIO OpenEXR fftw3 jansson assimp
 PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g')
 PKG_LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null)
 ifeq ($(PKG_LIBS),)

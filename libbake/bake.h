@@ -4,8 +4,10 @@
 #define BAKE_H
 
 #include "ao.h"
+#include "ao_rescale.h"
 #include "attrs.h"
 #include "codes.h"
+#include "color.h"
 #include "compare.h"
 #include "conventions.h"
 #include "dequantize.h"
