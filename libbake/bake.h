@@ -18,6 +18,8 @@
 #include "integrate.h"
 #include "io_image.h"
 #include "mem.h"
+#include "mesh.h"
+#include "mesh_frame.h"
 #include "normal.h"
 #include "output.h"
 #include "parallel.h"

@@ -1,0 +1,10 @@
+/* Fuzz target: any bytes as an OBJ file. */
+/* SPDX-License-Identifier: MIT */
+#include "fuzz_mesh.h"
+
+int
+LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+	fuzz_mesh(bytes, size, "x.obj");
+	return 0;
+}
