@@ -254,19 +254,25 @@ march_hits(const struct march *m, long c, const struct spot *spot,
 	}
 }
 
-static inline __attribute__((always_inline)) void
+/* Chunk c for all packets. */
+static INLINE void
+march_dense(const struct march *m, long c, const bool x_major)
+{
+	const struct bake_horizon *hz = m->hz;
+	const struct spot spot = find_spot(m, &hz->places[c]);
+
+	for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
+		march_packet(m, &hz->chunks[c], spot.texels, p, x_major);
+}
+
+static INLINE void
 march_strip(struct march *m, const bool x_major)
 {
 	const struct bake_horizon *hz = m->hz;
 	long c = 0, length = 1;
 
-	for (; c < 1 && c < hz->nchunks; c++) {
-		const struct spot spot = find_spot(m, &hz->places[c]);
-
-		for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
-			march_packet(
-			    m, &hz->chunks[c], spot.texels, p, x_major);
-	}
+	if (c < hz->nchunks)
+		march_dense(m, c++, x_major);
 	m->alive = m->raised = (1u << BAKE_STRIP_PACKETS) - 1;
 	while (c < hz->nchunks) {
 		const long end =
@@ -314,15 +320,8 @@ BAKE_KERNEL(bake_horizon_strip)(
 static INLINE void
 march_near(const struct march *m, const bool x_major)
 {
-	const struct bake_horizon *hz = m->hz;
-
-	for (long c = 0; c < hz->nchunks; c++) {
-		const struct spot spot = find_spot(m, &hz->places[c]);
-
-		for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
-			march_packet(
-			    m, &hz->chunks[c], spot.texels, p, x_major);
-	}
+	for (long c = 0; c < m->hz->nchunks; c++)
+		march_dense(m, c, x_major);
 }
 
 void
