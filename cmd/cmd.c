@@ -312,10 +312,15 @@ is_common(int key)
 
 /* -- parsing ------------------------------------------------------------ */
 
-/* getopt's tables; letters has room for "x:" each and the leading ":". */
+/* getopt's tables; letters has room for "x:" each and the leading "-:". With
+ * in_order operands are not moved behind the options but come as
+ * CMD_KEY_OPERAND, which getopt has for them. */
 static void
-make_getopt(const struct table *t, struct option *longs, char *letters)
+make_getopt(
+    const struct table *t, bool in_order, struct option *longs, char *letters)
 {
+	if (in_order)
+		*letters++ = '-';
 	*letters++ = ':';
 	for (int i = 0; i < t->n; i++) {
 		const struct cmd_option *o = &t->opt[i];
@@ -382,18 +387,27 @@ output_is_clear(const struct cmd *cmd)
 	return true;
 }
 
+static bool
+add_operand(struct cmd *cmd, const char *arg)
+{
+	cmd_list_add(&cmd->operands, arg);
+	return !(cmd->tool->groups & CMD_IN_ORDER) ||
+	       cmd->tool->set(cmd, CMD_KEY_OPERAND, arg);
+}
+
 enum parsed { PARSED_RUN, PARSED_DONE, PARSED_BAD };
 
 static enum parsed
 parse(struct cmd *cmd, const struct cmd_list *args)
 {
 	struct option longs[MAX_OPTIONS + 1];
-	char letters[2 * MAX_OPTIONS + 2];
+	char letters[2 * MAX_OPTIONS + 3];
 	struct table t;
 	int c;
 
 	make_table(&t, cmd->tool);
-	make_getopt(&t, longs, letters);
+	make_getopt(
+	    &t, (cmd->tool->groups & CMD_IN_ORDER) != 0, longs, letters);
 	optind = 1;
 	opterr = 0;
 	while ((c = getopt_long(args->n, args->item, letters, longs, NULL)) !=
@@ -410,6 +424,8 @@ parse(struct cmd *cmd, const struct cmd_list *args)
 		}
 		if (c == '?' || c == ':')
 			ok = bad_option(cmd, c, args->item);
+		else if (c == CMD_KEY_OPERAND)
+			ok = add_operand(cmd, optarg);
 		else if (is_common(c))
 			ok = set_common(cmd, c, optarg);
 		else
@@ -418,7 +434,8 @@ parse(struct cmd *cmd, const struct cmd_list *args)
 			return PARSED_BAD;
 	}
 	for (int i = optind; i < args->n; i++)
-		cmd_list_add(&cmd->operands, args->item[i]);
+		if (!add_operand(cmd, args->item[i]))
+			return PARSED_BAD;
 	return output_is_clear(cmd) ? PARSED_RUN : PARSED_BAD;
 }
 

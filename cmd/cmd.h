@@ -14,8 +14,9 @@
 
 enum { CMD_EXIT_OK = 0, CMD_EXIT_FAIL = 1, CMD_EXIT_USAGE = 2 };
 
-/* Keys of options that have no letter begin here. */
-enum { CMD_KEY_LONG = 256, CMD_KEY_TOOL = 512 };
+/* Keys of options that have no letter begin here. An operand has a key where
+ * the tool asks for them in order (CMD_IN_ORDER). */
+enum { CMD_KEY_OPERAND = 1, CMD_KEY_LONG = 256, CMD_KEY_TOOL = 512 };
 
 /*
  * One option. Usage text, getopt and the shell's completion come from this
@@ -30,10 +31,13 @@ struct cmd_option {
 
 /* Groups of options that several tools have. */
 enum {
-	CMD_OPTS_OUTPUT = 1,       /* -o -O -d -M --format --png-level */
-	CMD_OPTS_RELIEF = 2,       /* --height --wrap --depth-range */
-	CMD_OPTS_NORMAL = 4,       /* --normal-y --normal-code */
-	CMD_OPTS_OUTPUT_NORMAL = 8 /* --output-normal-y */
+	CMD_OPTS_OUTPUT = 1,        /* -o -O -d -M --format --png-level */
+	CMD_OPTS_RELIEF = 2,        /* --height --wrap --depth-range */
+	CMD_OPTS_NORMAL = 4,        /* --normal-y --normal-code */
+	CMD_OPTS_OUTPUT_NORMAL = 8, /* --output-normal-y */
+	/* no options: set is called with CMD_KEY_OPERAND for each operand,
+	 * between the options before it and those after it */
+	CMD_IN_ORDER = 16
 };
 
 /* An output whose type nothing says; %s is its name. */

@@ -450,8 +450,8 @@ write_params(struct cmd *cmd, const char *path, enum bake_data_format deepest,
 }
 
 bool
-cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
-    enum bake_data_format deepest, const struct bake_relief_meta *meta,
+cmd_write_attrs(struct cmd *cmd, const struct bake_image *img, const char *path,
+    enum bake_data_format deepest, const struct bake_attrs *attrs,
     const char *const *names)
 {
 	struct bake_output out = BAKE_OUTPUT_INIT;
@@ -461,8 +461,7 @@ cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
 
 	if (!write_params(cmd, path, deepest, &p))
 		return false;
-	if (meta != NULL)
-		bake_relief_meta_to_attrs(meta, &p.attrs);
+	p.attrs = *attrs;
 	if (bake_output_open(&out, path, &err) != BAKE_OK ||
 	    bake_image_write(img, &p, out.stream, path, &nclipped, &err) !=
 		BAKE_OK ||
@@ -479,4 +478,16 @@ cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
 	cmd_flush_warnings(cmd);
 	cmd_list_add(&cmd->written, path);
 	return true;
+}
+
+bool
+cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
+    enum bake_data_format deepest, const struct bake_relief_meta *meta,
+    const char *const *names)
+{
+	struct bake_write_params p = { .names = NULL };
+
+	if (meta != NULL)
+		bake_relief_meta_to_attrs(meta, &p.attrs);
+	return cmd_write_attrs(cmd, img, path, deepest, &p.attrs, names);
 }

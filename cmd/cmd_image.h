@@ -96,4 +96,9 @@ bool cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
     enum bake_data_format deepest, const struct bake_relief_meta *meta,
     const char *const *names);
 
+/* The same with attributes as they are. */
+bool cmd_write_attrs(struct cmd *cmd, const struct bake_image *img,
+    const char *path, enum bake_data_format deepest,
+    const struct bake_attrs *attrs, const char *const *names);
+
 #endif

@@ -131,6 +131,20 @@ channels(const struct info_report *r)
 	return whole(&n);
 }
 
+/* One number a layer, null where it gives no depth. */
+static json_t *
+keep_scales(const struct bake_relief_meta *said)
+{
+	struct node n = { NULL, true };
+
+	if (said->nkeep == 0)
+		return json_null();
+	n.json = json_array();
+	for (int i = 0; i < said->nkeep; i++)
+		append(&n, number(said->keep_scale[i]));
+	return whole(&n);
+}
+
 static json_t *
 declared(const struct bake_relief_meta *said)
 {
@@ -141,6 +155,8 @@ declared(const struct bake_relief_meta *said)
 	put(&n, "normal_y", text(bake_normal_y_name(said->normal_y)));
 	put(&n, "depth_scale",
 	    number_if(said->depth_scale > 0, said->depth_scale));
+	put(&n, "ao_scale", number_if(said->has_ao_scale, said->ao_scale));
+	put(&n, "keep_scale", keep_scales(said));
 	return whole(&n);
 }
 

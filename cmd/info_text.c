@@ -62,6 +62,25 @@ depth_scale(const struct info_report *r)
 }
 
 static void
+ao_scale(const struct bake_relief_meta *said)
+{
+	if (said->has_ao_scale)
+		printf("  ao scale    %.4g  (declared)\n", said->ao_scale);
+}
+
+/* Of a blend: at which depth scale each of its layers is as it was. */
+static void
+keep_scale(const struct bake_relief_meta *said)
+{
+	if (said->nkeep == 0)
+		return;
+	printf("  keep scale ");
+	for (int i = 0; i < said->nkeep; i++)
+		printf("%s %.4g", i > 0 ? "," : "", said->keep_scale[i]);
+	printf("  (declared, by layer)\n");
+}
+
+static void
 normals(const struct info_report *r)
 {
 	const struct bake_normal_stats *n = &r->found.normals;
@@ -110,6 +129,8 @@ info_text(const struct info_report *r)
 	channels(r);
 	if (f->has_normals)
 		normals(r);
+	ao_scale(&r->said);
+	keep_scale(&r->said);
 	printf("  seams       u %.2f, v %.2f; to the largest step inside "
 	       "%.2f, %.2f\n",
 	    f->seams.u, f->seams.v, f->seams.u_peak, f->seams.v_peak);

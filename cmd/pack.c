@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "inspect.h"
+#include "cmd_maps.h"
+#include "cmd_target.h"
 #include "integrate.h"
-#include "resample.h"
 
 /*
  * What is known of one set while it is being packed. Normals are held as they
@@ -56,69 +56,13 @@ signed_normals(const struct pack *p, bool y_up, struct bake_image *out,
 
 /* -- reading ---------------------------------------------------------- */
 
-/* x, y, z into channels 0, 1, 2: by the names R, G, B, else the first three;
- * with two channels, or a packed texture's, z is computed. */
-static bool
-arrange_normal(struct pack *p)
-{
-	struct cmd_map *m = &p->normal;
-	struct bake_image xyz = BAKE_IMAGE_INIT;
-	struct bake_err err = BAKE_ERR_INIT;
-	bool packed = m->meta.layout == BAKE_LAYOUT_RELIEF;
-	int n = packed || m->img.nchans == 2 ? 2 : 3, packed_chan[4];
-
-	if (m->img.nchans < 2) {
-		cmd_error(p->cmd,
-		    "%s: has 1 channel, a normal map has x, y and z", m->path);
-		return false;
-	}
-	if (bake_image_alloc(&xyz, m->img.width, m->img.height, n, &err) !=
-	    BAKE_OK)
-		return failed(p, m->path, &err);
-	for (int c = 0; c < n; c++) {
-		const char letter[2] = { "RGB"[c], '\0' };
-		int from = cmd_channel_index(&m->info, letter);
-
-		if (packed && cmd_packed_channels(&m->info, packed_chan))
-			from = packed_chan[c];
-		bake_image_copy_channel(&xyz, c, &m->img, from < 0 ? c : from);
-	}
-	bake_image_swap(&xyz, &m->img);
-	bake_image_free(&xyz);
-	return true;
-}
-
-/* Whatever the code, to the unsigned one; z for maps that have none. */
-static bool
-unify_code(struct pack *p)
-{
-	struct cmd_map *m = &p->normal;
-	struct bake_err err = BAKE_ERR_INIT;
-	enum bake_normal_code code = cmd_normal_code(p->cmd, m);
-	bool rebuild = m->img.nchans == 2;
-
-	if (!rebuild && code == BAKE_NORMAL_CODE_UNSIGNED)
-		return true;
-	bake_normal_decode(&m->img, code, false);
-	if (rebuild && bake_normal_normalize(
-			   &m->img, p->cmd->nthreads, NULL, &err) != BAKE_OK)
-		return failed(p, m->path, &err);
-	bake_normal_encode(&m->img, false);
-	return true;
-}
-
 static bool
 read_normal(struct pack *p, const char *path)
 {
-	struct cmd *cmd = p->cmd;
-
-	if (!cmd_read(cmd, path, &p->normal) || !arrange_normal(p) ||
-	    !unify_code(p))
+	if (!cmd_read_normal(p->cmd, path, &p->normal))
 		return false;
 	p->has_normal = true;
-	p->normal_y = cmd->has_normal_y              ? cmd->normal_y
-		      : p->normal.meta.normal_y != 0 ? p->normal.meta.normal_y
-						     : BAKE_NORMAL_Y_UP;
+	p->normal_y = cmd_normal_y(p->cmd, &p->normal);
 	return true;
 }
 
@@ -170,61 +114,19 @@ read_maps(struct pack *p, const struct pack_inputs *in)
 static bool
 check_agreement(struct pack *p)
 {
-	struct bake_maps maps = BAKE_MAPS_INIT;
-	struct bake_inspection found = { .layout = BAKE_LAYOUT_UNKNOWN };
-	struct bake_contradictions bad;
 	struct bake_relief_meta said = BAKE_RELIEF_META_INIT;
-	struct bake_err err = BAKE_ERR_INIT;
-	enum bake_status rc;
 
-	if (!p->has_normal || p->o->no_check || p->cmd->quiet)
+	if (!p->has_normal || p->o->no_check)
 		return true;
 	said.normal_y = p->normal_y;
 	said.polarity = p->polarity;
 	said.depth_scale = p->scale > 0 ? p->scale : default_scale;
-	rc = signed_normals(p, false, &maps.normal, &err);
-	if (p->has_relief)
-		maps.relief = p->relief.img; /* a view */
-	if (rc == BAKE_OK)
-		rc = bake_inspect_maps(&found, &maps, p->wrap, &err);
-	bake_image_free(&maps.normal);
-	if (rc != BAKE_OK)
-		return failed(p, p->normal.path, &err);
-	bake_contradictions_find(&bad, &found, &said);
-	for (int i = 0; i < bad.n; i++)
-		cmd_warn(p->cmd, "%s%s%s: %s", p->normal.path,
-		    p->has_relief ? " + " : "",
-		    p->has_relief ? p->relief.path : "", bad.text[i]);
-	if (bad.n > 0)
-		cmd_warn(p->cmd,
-		    "%s: --height, --normal-y and -s say what the maps are",
-		    p->normal.path);
-	return true;
+	return cmd_warn_contradictions(p->cmd, &p->normal,
+	    p->has_relief ? &p->relief : NULL, p->wrap, &said,
+	    "--height, --normal-y and -s");
 }
 
 /* -- sizes ---------------------------------------------------------------- */
-
-static bool
-resample_to(struct pack *p, struct cmd_map *map, int width, int height)
-{
-	struct bake_image out = BAKE_IMAGE_INIT;
-	struct bake_err err = BAKE_ERR_INIT;
-
-	if (map->img.width == width && map->img.height == height)
-		return true;
-	if ((long)map->img.width * height != (long)map->img.height * width)
-		cmd_warn(p->cmd,
-		    "%s: %dx%d is stretched to %dx%d, so that its texels are "
-		    "no longer square",
-		    map->path, map->img.width, map->img.height, width, height);
-	if (bake_resample(&map->img, p->wrap, BAKE_FILTER_CATMULL_ROM, width,
-		height, p->cmd->nthreads, &out, &err) != BAKE_OK)
-		return failed(p, map->path, &err);
-	bake_image_swap(&out, &map->img);
-	bake_image_free(&out);
-	cmd_note(p->cmd, "%s: resampled to %dx%d", map->path, width, height);
-	return true;
-}
 
 /* Unit length again, in stored code and with y as stored. */
 static bool
@@ -250,11 +152,11 @@ unify_sizes(struct pack *p)
 	bool stretched = p->has_normal && (p->normal.img.width != w ||
 					      p->normal.img.height != h);
 
-	if (p->has_relief && !resample_to(p, &p->relief, w, h))
+	if (p->has_relief && !cmd_resize(p->cmd, &p->relief, p->wrap, w, h))
 		return false;
-	if (p->has_ao && !resample_to(p, &p->ao, w, h))
+	if (p->has_ao && !cmd_resize(p->cmd, &p->ao, p->wrap, w, h))
 		return false;
-	if (p->has_normal && !resample_to(p, &p->normal, w, h))
+	if (p->has_normal && !cmd_resize(p->cmd, &p->normal, p->wrap, w, h))
 		return false;
 	if (p->has_normal && (stretched || p->o->renormalize))
 		return renormalize(p);
@@ -420,46 +322,22 @@ derive_missing(struct pack *p)
 
 /* -- writing -------------------------------------------------------------- */
 
-/* y and polarity as the output wants them. */
-static void
-turn(struct pack *p, enum bake_normal_y normal_y)
-{
-	if (p->normal_y != normal_y)
-		bake_relief_flip(&p->normal.img, 1);
-	if (p->polarity != p->o->target->polarity)
-		bake_relief_flip(&p->relief.img, 0);
-	p->normal_y = normal_y;
-	p->polarity = p->o->target->polarity;
-}
-
 static bool
-write_file(struct pack *p, const struct bake_target_file *file, const char *out)
+write_all(struct pack *p, const char *out)
 {
-	static const char *const exr_names[] = { "normal.x", "normal.y", "ao",
-		"depth" };
-	struct bake_relief_meta meta = BAKE_RELIEF_META_INIT;
-	struct bake_image img = BAKE_IMAGE_INIT;
-	struct bake_err err = BAKE_ERR_INIT;
-	char *path = cmd_path_derive(out, NULL, file->suffix, NULL);
-	bool ok;
+	struct cmd_target_maps maps = { &p->normal.img, &p->ao.img,
+		&p->relief.img, BAKE_RELIEF_META_INIT, p->deepest,
+		p->o->exr_names };
 
-	meta.layout = file->layout;
-	meta.polarity = p->polarity;
-	meta.normal_y = p->normal_y;
-	meta.normal_code = BAKE_NORMAL_CODE_UNSIGNED;
-	meta.depth_scale = p->scale;
-	meta.has_wrap = true;
-	meta.wrap = p->wrap;
-	ok = bake_relief_pack(file, &p->normal.img, &p->ao.img, &p->relief.img,
-		 &img, &err) == BAKE_OK ||
-	     failed(p, path, &err);
-	ok = ok && cmd_write(p->cmd, &img, path, p->deepest, &meta,
-		       p->o->exr_names && file->layout == BAKE_LAYOUT_RELIEF
-			   ? exr_names
-			   : NULL);
-	bake_image_free(&img);
-	free(path);
-	return ok;
+	maps.meta.polarity = p->polarity;
+	maps.meta.normal_y = p->normal_y;
+	maps.meta.depth_scale = p->scale;
+	if (bake_relief_meta_ao_scale(&p->ao.meta) > 0)
+		bake_relief_meta_set_ao_scale(
+		    &maps.meta, bake_relief_meta_ao_scale(&p->ao.meta));
+	maps.meta.has_wrap = true;
+	maps.meta.wrap = p->wrap;
+	return cmd_write_target(p->cmd, p->o->target, &maps, out);
 }
 
 bool
@@ -467,17 +345,10 @@ pack_set(struct cmd *cmd, const struct pack_opts *o,
     const struct pack_inputs *in, const char *out)
 {
 	struct pack p = { .cmd = cmd, .o = o };
-	enum bake_normal_y y = cmd->output_normal_y != BAKE_NORMAL_Y_UNSURE
-				   ? cmd->output_normal_y
-				   : o->target->normal_y;
 	bool ok;
 
 	ok = read_maps(&p, in) && check_agreement(&p) && unify_sizes(&p) &&
-	     derive_missing(&p);
-	if (ok)
-		turn(&p, y);
-	for (int f = 0; ok && f < o->target->nfiles; f++)
-		ok = write_file(&p, &o->target->file[f], out);
+	     derive_missing(&p) && write_all(&p, out);
 	cmd_map_free(&p.normal);
 	cmd_map_free(&p.relief);
 	cmd_map_free(&p.ao);

@@ -8,7 +8,6 @@
 #include <strings.h>
 
 #include "inspect.h"
-#include "output.h"
 #include "repair.h"
 
 /* -- finding it ---------------------------------------------------------- */
@@ -294,58 +293,23 @@ reorder(struct cmd *cmd, struct rescale_file *f)
 	return true;
 }
 
-static bool
-choose_type(struct cmd *cmd, const struct rescale_file *f, const char *path,
-    struct bake_write_params *p)
-{
-	p->type = cmd->type;
-	p->png_level = cmd->png_level;
-	if (!bake_file_type_from_path(path, &p->type) && !cmd->has_type) {
-		cmd_error(cmd, CMD_NO_TYPE, path);
-		return false;
-	}
-	p->data_format = cmd->has_data_format ? cmd->data_format
-					      : bake_file_type_nearest(p->type,
-						    f->map.info.data_format);
-	return true;
-}
-
 bool
 rescale_write(struct cmd *cmd, struct rescale_file *f,
     const struct bake_image *ao, double scale, const char *path)
 {
-	struct bake_output out = BAKE_OUTPUT_INIT;
-	struct bake_write_params p = { .names = NULL };
-	struct bake_err err = BAKE_ERR_INIT;
+	const struct bake_image_info *info = &f->map.info;
+	struct bake_attrs attrs = info->attrs;
+	enum bake_file_type type = cmd->type;
 	const char *names[BAKE_INFO_NAMES];
-	size_t nclipped = 0;
 
 	for (int c = 0; c < f->n; c++)
 		bake_image_copy_channel(&f->map.img, f->first + c, ao, 0);
-	if (!choose_type(cmd, f, path, &p))
+	for (int c = 0; c < info->nchans; c++)
+		names[c] = info->names[c];
+	bake_file_type_from_path(path, &type);
+	if (type != BAKE_FILE_EXR && f->has_order && !reorder(cmd, f))
 		return false;
-	for (int c = 0; c < f->map.info.nchans; c++)
-		names[c] = f->map.info.names[c];
-	if (p.type == BAKE_FILE_EXR)
-		p.names = names;
-	else if (f->has_order && !reorder(cmd, f))
-		return false;
-	p.attrs = f->map.info.attrs;
-	set_scale(&p.attrs, f, scale);
-	if (bake_output_open(&out, path, &err) != BAKE_OK ||
-	    bake_image_write(&f->map.img, &p, out.stream, path, &nclipped,
-		&err) != BAKE_OK ||
-	    bake_output_commit(&out, &err) != BAKE_OK) {
-		bake_output_abort(&out);
-		cmd_error(cmd, "%s", err.msg);
-		return false;
-	}
-	if (nclipped > 0)
-		cmd_warn(cmd,
-		    "%s: %zu values outside 0 to 1 were clipped; -d float "
-		    "keeps them",
-		    path, nclipped);
-	cmd_flush_warnings(cmd);
-	cmd_list_add(&cmd->written, path);
-	return true;
+	set_scale(&attrs, f, scale);
+	return cmd_write_attrs(cmd, &f->map.img, path, info->data_format,
+	    &attrs, type == BAKE_FILE_EXR ? names : NULL);
 }

@@ -218,7 +218,10 @@ write_in_place(struct cmd *cmd, const struct opts *o, const char *in,
 		return false;
 	}
 	bake_image_copy_channel(&map.img, c, ao, 0);
-	map.meta.depth_scale = scale;
+	/* the normals' scale stays what it was */
+	if (map.meta.depth_scale == 0)
+		map.meta.depth_scale = scale;
+	bake_relief_meta_set_ao_scale(&map.meta, scale);
 	for (int i = 0; i < map.info.nchans; i++)
 		names[i] = map.info.names[i];
 	ok = cmd_write(

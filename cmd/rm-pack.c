@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_target.h"
 #include "pack.h"
 
 enum {
@@ -78,15 +79,6 @@ struct opts {
 };
 
 static bool
-set_target(struct cmd *cmd, struct opts *o, const char *arg)
-{
-	o->pack.target = bake_target_find(arg);
-	return o->pack.target != NULL ||
-	       cmd_usage_error(cmd,
-		   "--target is '%s', which is none of --list-targets", arg);
-}
-
-static bool
 set_ao(struct opts *o, const char *arg)
 {
 	o->pack.no_ao = strcmp(arg, "none") == 0;
@@ -122,7 +114,7 @@ set_how(struct cmd *cmd, struct opts *o, int key, const char *arg)
 		o->pack.slope = (enum bake_slope_op)i;
 		return true;
 	default:
-		return set_target(cmd, o, arg);
+		return cmd_set_target(cmd, arg, &o->pack.target);
 	}
 }
 
@@ -181,17 +173,6 @@ set_option(struct cmd *cmd, int key, const char *arg)
 	}
 }
 
-static int
-print_targets(void)
-{
-	int n;
-	const struct bake_target *t = bake_targets(&n);
-
-	for (int i = 0; i < n; i++)
-		printf("%-11s %s\n", t[i].name, t[i].about);
-	return CMD_EXIT_OK;
-}
-
 /* -- packing ------------------------------------------------------------ */
 
 static bool
@@ -210,12 +191,8 @@ sets_are_clear(const struct cmd *cmd, const struct opts *o, int n)
 		return cmd_usage_error(cmd,
 		    "%d normals, %d depths and %d AOs do not pair",
 		    o->normals.n, o->depths.n, o->aos.n);
-	if (cmd->output != NULL && strcmp(cmd->output, "-") == 0 &&
-	    o->pack.target->nfiles > 1)
-		return cmd_usage_error(cmd,
-		    "target %s writes %d files, which standard output cannot "
-		    "hold",
-		    o->pack.target->name, o->pack.target->nfiles);
+	if (!cmd_target_fits(cmd, o->pack.target))
+		return false;
 	if (o->out.normal != NULL || o->out.ao != NULL || o->out.depth != NULL)
 		return cmd_usage_error(cmd,
 		    "--normal-out, --ao-out and --depth-out go with --unpack");
@@ -322,7 +299,7 @@ main(int argc, char *argv[])
 
 	o.pack.target = bake_target_find("relief");
 	if (cmd_parse(&cmd, &tool, argc, argv, &status))
-		status = o.list_targets    ? print_targets()
+		status = o.list_targets    ? cmd_print_targets()
 			 : o.unpacks.n > 0 ? unpack_all(&cmd, &o)
 					   : pack_all(&cmd, &o);
 	cmd_list_free(&o.normals);

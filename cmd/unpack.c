@@ -123,6 +123,7 @@ unpack_file(struct cmd *cmd, const char *in, const struct unpack_outputs *out)
 		return false;
 	ok = look_at_packed(&p, out->ao != NULL);
 	meta = p.map.meta;
+	meta.has_ao_scale = false;
 	height = cmd->has_polarity ? cmd->polarity == BAKE_POLARITY_HEIGHT
 				   : meta.polarity == BAKE_POLARITY_HEIGHT;
 	if (ok && out->normal != NULL)
@@ -131,8 +132,10 @@ unpack_file(struct cmd *cmd, const char *in, const struct unpack_outputs *out)
 	meta.normal_code = BAKE_NORMAL_CODE_AUTO;
 	meta.polarity = BAKE_POLARITY_UNSURE;
 	meta.layout = BAKE_LAYOUT_AO;
+	meta.depth_scale = bake_relief_meta_ao_scale(&p.map.meta);
 	if (ok && out->ao != NULL)
 		ok = write_plane(&p, 2, out->ao, meta, false);
+	meta.depth_scale = p.map.meta.depth_scale;
 	meta.polarity =
 	    out->height ? BAKE_POLARITY_HEIGHT : BAKE_POLARITY_DEPTH;
 	meta.layout = BAKE_LAYOUT_DEPTH;

@@ -8,6 +8,7 @@
 #include "attrs.h"
 #include "codes.h"
 #include "color.h"
+#include "combine.h"
 #include "compare.h"
 #include "conventions.h"
 #include "dequantize.h"

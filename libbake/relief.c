@@ -3,6 +3,7 @@
 #include "relief.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +17,30 @@ const char *
 bake_layout_name(enum bake_layout layout)
 {
 	return layout_names[layout];
+}
+
+/* The numbers with so many digits each; false where they have no room. */
+static bool
+format_list(char *text, size_t size, const double *v, int n, int digits)
+{
+	size_t used = 0;
+
+	for (int i = 0; i < n && used < size; i++)
+		used += (size_t)snprintf(text + used, size - used, "%s%.*g",
+		    i > 0 ? "," : "", digits, v[i]);
+	return used < size;
+}
+
+static void
+set_list(struct bake_attrs *attrs, const char *name, const double *v, int n)
+{
+	char text[BAKE_ATTR_VALUE];
+
+	for (int digits = 6; digits >= 3; digits--)
+		if (format_list(text, sizeof text, v, n, digits)) {
+			bake_attrs_set(attrs, name, text);
+			return;
+		}
 }
 
 void
@@ -38,6 +63,10 @@ bake_relief_meta_to_attrs(
 	if (meta->has_wrap)
 		bake_attrs_set(attrs, "Wrap",
 		    wrap_names[meta->wrap.clamp_u + 2 * meta->wrap.clamp_v]);
+	if (meta->has_ao_scale)
+		bake_attrs_set_number(attrs, "AOScale", meta->ao_scale);
+	if (meta->nkeep > 0)
+		set_list(attrs, "KeepScale", meta->keep_scale, meta->nkeep);
 }
 
 static const char *
@@ -96,6 +125,26 @@ positive(const char *text)
 	return *end == '\0' && v > 0 && !isinf(v) ? v : 0;
 }
 
+/* Positive numbers, inf among them, separated by commas; *n is 0 where a text
+ * is anything else. */
+static void
+get_list(const char *text, double *v, int max, int *n)
+{
+	char *end;
+
+	for (*n = 0; text != NULL && *n < max;) {
+		v[*n] = strtod(text, &end);
+		if (end == text || !(v[*n] > 0) ||
+		    (*end != ',' && *end != '\0'))
+			break;
+		++*n;
+		if (*end == '\0')
+			return;
+		text = end + 1;
+	}
+	*n = 0;
+}
+
 void
 bake_relief_meta_from_attrs(
     struct bake_relief_meta *meta, const struct bake_attrs *attrs)
@@ -114,6 +163,27 @@ bake_relief_meta_from_attrs(
 	meta->has_wrap = wrap >= 0;
 	meta->wrap.clamp_u = wrap >= 0 && (wrap & 1) != 0;
 	meta->wrap.clamp_v = wrap >= 0 && (wrap & 2) != 0;
+	meta->has_ao_scale = false;
+	meta->ao_scale = 0;
+	if (bake_attrs_get(attrs, "AOScale") != NULL) {
+		meta->ao_scale = positive(bake_attrs_get(attrs, "AOScale"));
+		meta->has_ao_scale = true;
+	}
+	get_list(bake_attrs_get(attrs, "KeepScale"), meta->keep_scale,
+	    BAKE_KEEP_SCALES, &meta->nkeep);
+}
+
+void
+bake_relief_meta_set_ao_scale(struct bake_relief_meta *meta, double scale)
+{
+	meta->has_ao_scale = (float)scale != (float)meta->depth_scale;
+	meta->ao_scale = meta->has_ao_scale ? scale : 0;
+}
+
+double
+bake_relief_meta_ao_scale(const struct bake_relief_meta *meta)
+{
+	return meta->has_ao_scale ? meta->ao_scale : meta->depth_scale;
 }
 
 /* The plane and channel that a source names; NULL for a constant, whose value

@@ -27,6 +27,9 @@ enum bake_layout {
 
 /* "relief", "normal-relief", "normal" …; "unknown". Static text. */
 BAKE_API const char *bake_layout_name(enum bake_layout layout);
+
+enum { BAKE_KEEP_SCALES = 16 };
+
 /* What the metadata of a relief map say; 0 or UNSURE = not said. */
 struct bake_relief_meta {
 	enum bake_layout layout;
@@ -36,23 +39,36 @@ struct bake_relief_meta {
 	double depth_scale; /* depth range / texture width; 0: not said */
 	bool has_wrap;
 	struct bake_wrap wrap;
+	/* the depth scale that the AO belongs to, where that is another one
+	 * than the normals' */
+	bool has_ao_scale;
+	double ao_scale;
+	/* of a blend: the depth scale at which each layer, the base first, has
+	 * the relief of its own; infinite for one without depth */
+	int nkeep; /* 0: not said */
+	double keep_scale[BAKE_KEEP_SCALES];
 };
 #define BAKE_RELIEF_META_INIT                                                  \
 	{                                                                      \
-		BAKE_LAYOUT_UNKNOWN, BAKE_POLARITY_UNSURE,                     \
-		    BAKE_NORMAL_Y_UNSURE, BAKE_NORMAL_CODE_AUTO, 0, false,     \
-		{                                                              \
-			false, false                                           \
-		}                                                              \
+		.layout = BAKE_LAYOUT_UNKNOWN                                  \
 	}
 
 /* Metadata to attributes (relief:Layout, Polarity, NormalY, NormalCode,
- * DepthScale, Wrap) and back. What is not said is not written; a value that is
- * not understood reads as not said. */
+ * DepthScale, AOScale, Wrap, KeepScale) and back. What is not said is not
+ * written; a value that is not understood reads as not said. KeepScale is text,
+ * the numbers separated by commas, each with up to 6 digits, or as many as
+ * there is room for. */
 BAKE_API void bake_relief_meta_to_attrs(
     const struct bake_relief_meta *meta, struct bake_attrs *attrs);
 BAKE_API void bake_relief_meta_from_attrs(
     struct bake_relief_meta *meta, const struct bake_attrs *attrs);
+
+/* Say that the AO beside normals of meta->depth_scale is of `scale`, > 0: kept
+ * apart where the two differ as floats. */
+BAKE_API void bake_relief_meta_set_ao_scale(
+    struct bake_relief_meta *meta, double scale);
+/* The scale of the AO: its own, else depth_scale. */
+BAKE_API double bake_relief_meta_ao_scale(const struct bake_relief_meta *meta);
 
 /* Where a channel of an output comes from. */
 enum bake_source {

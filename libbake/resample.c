@@ -6,6 +6,7 @@
 #include <omp.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "mem.h"
 #include "parallel.h"
@@ -157,34 +158,74 @@ taps_init(struct taps *t, int n_dst, int n_src, double step, double offset,
 	return BAKE_OK;
 }
 
-/* One row to t's texels. buf holds src's width + 2 t->max texels in double. */
+/* A row in double with t->max texels more at either end, as the border goes
+ * on. */
 static void
-resample_row(float *dst, int width, const float *src, int n, int nchans,
-    const struct taps *t, bool clamp, double *buf)
+widen_row(double *buf, const float *src, int n, int nchans, int pad, bool clamp)
 {
-	const size_t nc = (size_t)nchans, pad = (size_t)t->max;
+	const size_t nc = (size_t)nchans, row = (size_t)n * nc;
 	double *p = buf;
 
-	for (long i = -(long)t->max; i < (long)n + t->max; i++) {
+	for (long i = -(long)pad; i < (long)n + pad; i++) {
 		const float *s =
 		    src + (size_t)bake_wrap_index(i, n, clamp) * nc;
 
+		if (i == 0) {
+			for (size_t k = 0; k < row; k++)
+				*p++ = src[k];
+			i = n - 1;
+			continue;
+		}
 		for (size_t c = 0; c < nc; c++)
 			*p++ = s[c];
 	}
+}
+
+/* One row to t's texels; buf is the widened source. Sums do not begin from 0:
+ * -0 and a lone tap of 1 keep their bits. */
+static void
+resample_row(
+    float *dst, int width, int nchans, const struct taps *t, const double *buf)
+{
+	const size_t nc = (size_t)nchans, pad = (size_t)t->max;
+
 	for (size_t x = 0; x < (size_t)width; x++) {
 		const double *w = t->w + x * pad;
 		const double *from =
 		    buf + (size_t)((long)t->start[x] + t->max) * nc;
 
 		for (size_t c = 0; c < nc; c++) {
-			/* not from 0: -0 and a lone tap of 1 keep their bits */
 			double acc = w[0] * from[c];
 
 			for (int k = 1; k < t->count[x]; k++)
 				acc += w[k] * from[(size_t)k * nc + c];
 			*dst++ = (float)acc;
 		}
+	}
+}
+
+/* The same for 4 channels, side by side: the same sums in the same order. */
+static void
+resample_row4(float *dst, int width, const struct taps *t, const double *buf)
+{
+	for (size_t x = 0; x < (size_t)width; x++, dst += 4) {
+		const double *w = t->w + x * (size_t)t->max;
+		const double *from =
+		    buf + (size_t)((long)t->start[x] + t->max) * 4;
+		double a = w[0] * from[0], b = w[0] * from[1];
+		double c = w[0] * from[2], d = w[0] * from[3];
+
+		for (int k = 1; k < t->count[x]; k++) {
+			from += 4;
+			a += w[k] * from[0];
+			b += w[k] * from[1];
+			c += w[k] * from[2];
+			d += w[k] * from[3];
+		}
+		dst[0] = (float)a;
+		dst[1] = (float)b;
+		dst[2] = (float)c;
+		dst[3] = (float)d;
 	}
 }
 
@@ -203,10 +244,17 @@ pass_rows(struct bake_image *dst, const struct bake_image *src,
 	if (buf == NULL)
 		return BAKE_ENOMEM;
 #pragma omp parallel for schedule(static) num_threads(nt)
-	for (int y = 0; y < src->height; y++)
-		resample_row(bake_image_row(dst, y), dst->width,
-		    bake_image_row(src, y), src->width, src->nchans, t, clamp,
-		    buf + (size_t)omp_get_thread_num() * row);
+	for (int y = 0; y < src->height; y++) {
+		double *p = buf + (size_t)omp_get_thread_num() * row;
+
+		widen_row(p, bake_image_row(src, y), src->width, src->nchans,
+		    t->max, clamp);
+		if (src->nchans == 4)
+			resample_row4(bake_image_row(dst, y), dst->width, t, p);
+		else
+			resample_row(bake_image_row(dst, y), dst->width,
+			    src->nchans, t, p);
+	}
 	free(buf);
 	return BAKE_OK;
 }
@@ -238,40 +286,188 @@ clamp_row(float *p, int width, int nchans, const float *lo, const float *hi)
 			*p = *p < lo[c] ? lo[c] : *p > hi[c] ? hi[c] : *p;
 }
 
-/* Columns of src to dst; range is lo[nchans], hi[nchans], or NULL. */
+/* Rows of the result, from the source's rows brought to its width; where each
+ * column is one texel of the source, from the source itself. */
+struct bake_resampler {
+	struct bake_image src; /* a view */
+	struct bake_image mid; /* empty where columns are copies */
+	struct taps tx, ty;
+	struct bake_wrap wrap;
+	int width, height;
+	bool copies_u, copies_v;
+	float *range; /* lowest [nchans], highest [nchans]; NULL: not clamped */
+};
+
+/* Whether each destination texel is one source texel. */
+static bool
+taps_copy(const struct taps *t, int n)
+{
+	for (int x = 0; x < n; x++)
+		if (t->count[x] != 1 || t->w[(size_t)x * (size_t)t->max] != 1)
+			return false;
+	return true;
+}
+
 static enum bake_status
-pass_columns(struct bake_image *dst, const struct bake_image *src,
-    const struct taps *t, bool clamp, const float *range, int nt,
+init_taps(struct bake_resampler *r, const struct bake_resample_params *p,
     struct bake_err *err)
 {
-	const size_t row = (size_t)src->width * (size_t)src->nchans;
-	double *buf = bake_alloc(row, (size_t)nt * sizeof *buf, err);
+	enum bake_status rc;
 
-	if (buf == NULL)
-		return BAKE_ENOMEM;
-#pragma omp parallel for schedule(static) num_threads(nt)
-	for (int y = 0; y < dst->height; y++) {
-		double *acc = buf + (size_t)omp_get_thread_num() * row;
-		const double *w = t->w + (size_t)y * (size_t)t->max;
-		float *d = bake_image_row(dst, y);
-
-		for (int k = 0; k < t->count[y]; k++) {
-			const float *s = bake_image_row(
-			    src, bake_wrap_index((long)t->start[y] + k,
-				     src->height, clamp));
-
-			for (size_t i = 0; i < row; i++)
-				acc[i] =
-				    k == 0 ? w[0] * s[i] : acc[i] + w[k] * s[i];
-		}
-		for (size_t i = 0; i < row; i++)
-			d[i] = (float)acc[i];
-		if (range != NULL)
-			clamp_row(d, dst->width, dst->nchans, range,
-			    range + dst->nchans);
-	}
-	free(buf);
+	rc = taps_init(&r->tx, r->width, r->src.width, p->step_u, p->offset_u,
+	    p->filter, p->wrap.clamp_u, err);
+	if (rc == BAKE_OK)
+		rc = taps_init(&r->ty, r->height, r->src.height, p->step_v,
+		    p->offset_v, p->filter, p->wrap.clamp_v, err);
+	if (rc != BAKE_OK)
+		return rc;
+	r->copies_u = taps_copy(&r->tx, r->width);
+	r->copies_v = taps_copy(&r->ty, r->height);
 	return BAKE_OK;
+}
+
+/* What does not depend on the row. */
+static enum bake_status
+prepare(struct bake_resampler *r, const struct bake_resample_params *p,
+    struct bake_err *err)
+{
+	const struct bake_image *src = &r->src;
+	const int nt = bake_threads(p->nthreads);
+	enum bake_status rc = init_taps(r, p, err);
+
+	if (rc != BAKE_OK)
+		return rc;
+	if (!p->keep_overshoot && !(r->copies_u && r->copies_v)) {
+		r->range =
+		    bake_alloc((size_t)src->nchans, 2 * sizeof(float), err);
+		if (r->range == NULL)
+			return BAKE_ENOMEM;
+		ranges(src, r->range, r->range + src->nchans);
+	}
+	if (r->copies_u)
+		return BAKE_OK;
+	rc = bake_image_alloc(&r->mid, r->width, src->height, src->nchans, err);
+	return rc != BAKE_OK
+		   ? rc
+		   : pass_rows(&r->mid, src, &r->tx, p->wrap.clamp_u, nt, err);
+}
+
+enum bake_status
+bake_resampler_open(struct bake_resampler **resampler,
+    const struct bake_image *src, int width, int height,
+    const struct bake_resample_params *params, struct bake_err *err)
+{
+	struct bake_resampler *r;
+	enum bake_status rc;
+
+	*resampler = NULL;
+	if (src->data == NULL || width < 1 || height < 1)
+		return bake_fail(err, BAKE_EINVAL,
+		    "cannot resample %dx%d texels to %dx%d", src->width,
+		    src->height, width, height);
+	if ((unsigned)params->filter > BAKE_FILTER_BSPLINE)
+		return bake_fail(
+		    err, BAKE_EINVAL, "%d is no filter", (int)params->filter);
+	r = bake_zalloc(1, sizeof *r, err);
+	if (r == NULL)
+		return BAKE_ENOMEM;
+	r->src = *src;
+	r->wrap = params->wrap;
+	r->width = width;
+	r->height = height;
+	rc = prepare(r, params, err);
+	if (rc == BAKE_OK)
+		*resampler = r;
+	else
+		bake_resampler_close(r);
+	return rc;
+}
+
+void
+bake_resampler_close(struct bake_resampler *r)
+{
+	if (r == NULL)
+		return;
+	bake_image_free(&r->mid);
+	taps_free(&r->tx);
+	taps_free(&r->ty);
+	free(r->range);
+	free(r);
+}
+
+bool
+bake_resampler_copies(const struct bake_resampler *r)
+{
+	return r->copies_u && r->copies_v;
+}
+
+/* One row of the source's width or the result's, in double. */
+size_t
+bake_resampler_scratch(const struct bake_resampler *r)
+{
+	const struct bake_image *from = r->copies_u ? &r->src : &r->mid;
+
+	return (size_t)from->width * (size_t)from->nchans;
+}
+
+/* The texel of a row that column x of the result copies: on a torus start is
+ * within the row. */
+static size_t
+column(const struct bake_resampler *r, int x)
+{
+	const int i = r->tx.start[x];
+
+	return (size_t)(r->wrap.clamp_u ? bake_wrap_index(i, r->src.width, true)
+					: i) *
+	       (size_t)r->src.nchans;
+}
+
+static void
+sum_rows(const struct bake_resampler *r, const struct bake_image *from, int y,
+    double *acc)
+{
+	const size_t row = bake_resampler_scratch(r);
+	const struct taps *t = &r->ty;
+	const double *w = t->w + (size_t)y * (size_t)t->max;
+
+	for (int k = 0; k < t->count[y]; k++) {
+		const float *s =
+		    bake_image_row(from, bake_wrap_index((long)t->start[y] + k,
+					     from->height, r->wrap.clamp_v));
+
+		for (size_t i = 0; i < row; i++)
+			acc[i] = k == 0 ? w[0] * s[i] : acc[i] + w[k] * s[i];
+	}
+}
+
+void
+bake_resampler_row(
+    const struct bake_resampler *r, int y, float *row, double *scratch)
+{
+	const struct bake_image *from = r->copies_u ? &r->src : &r->mid;
+	const int nc = r->src.nchans, w = r->width;
+	const float *s = bake_image_row(from,
+	    bake_wrap_index(r->ty.start[y], from->height, r->wrap.clamp_v));
+
+	if (!r->copies_v)
+		sum_rows(r, from, y, scratch);
+	if (r->copies_u)
+		for (int x = 0; x < w; x++) {
+			const size_t at = column(r, x);
+
+			for (int c = 0; c < nc; c++)
+				row[(size_t)x * (size_t)nc + (size_t)c] =
+				    r->copies_v
+					? s[at + (size_t)c]
+					: (float)scratch[at + (size_t)c];
+		}
+	else if (r->copies_v)
+		memcpy(row, s, (size_t)w * (size_t)nc * sizeof *row);
+	else
+		for (size_t i = 0; i < (size_t)w * (size_t)nc; i++)
+			row[i] = (float)scratch[i];
+	if (r->range != NULL)
+		clamp_row(row, w, nc, r->range, r->range + nc);
 }
 
 enum bake_status
@@ -280,49 +476,33 @@ bake_resample_mapped(const struct bake_image *src, int width, int height,
     struct bake_err *err)
 {
 	const int nt = bake_threads(params->nthreads);
-	struct bake_image mid = BAKE_IMAGE_INIT, out = BAKE_IMAGE_INIT;
-	struct taps tx = { 0 }, ty = { 0 };
-	float *range = NULL;
+	struct bake_resampler *r;
+	struct bake_image out = BAKE_IMAGE_INIT;
+	double *scratch = NULL;
+	size_t n;
 	enum bake_status rc;
 
-	if (src->data == NULL || width < 1 || height < 1)
-		return bake_fail(err, BAKE_EINVAL,
-		    "cannot resample %dx%d texels to %dx%d", src->width,
-		    src->height, width, height);
-	if ((unsigned)params->filter > BAKE_FILTER_BSPLINE)
-		return bake_fail(
-		    err, BAKE_EINVAL, "%d is no filter", (int)params->filter);
-	if ((rc = taps_init(&tx, width, src->width, params->step_u,
-		 params->offset_u, params->filter, params->wrap.clamp_u,
-		 err)) != BAKE_OK ||
-	    (rc = taps_init(&ty, height, src->height, params->step_v,
-		 params->offset_v, params->filter, params->wrap.clamp_v,
-		 err)) != BAKE_OK ||
-	    (rc = bake_image_alloc(
-		 &mid, width, src->height, src->nchans, err)) != BAKE_OK ||
-	    (rc = bake_image_alloc(&out, width, height, src->nchans, err)) !=
-		BAKE_OK)
+	rc = bake_resampler_open(&r, src, width, height, params, err);
+	if (rc != BAKE_OK)
+		return rc;
+	n = bake_resampler_scratch(r);
+	rc = bake_image_alloc(&out, width, height, src->nchans, err);
+	if (rc != BAKE_OK)
 		goto out;
-	if (!params->keep_overshoot) {
-		range = bake_alloc((size_t)src->nchans, 2 * sizeof *range, err);
-		if (range == NULL) {
-			rc = BAKE_ENOMEM;
-			goto out;
-		}
-		ranges(src, range, range + src->nchans);
+	scratch = bake_alloc(n, (size_t)nt * sizeof *scratch, err);
+	if (scratch == NULL) {
+		rc = BAKE_ENOMEM;
+		goto out;
 	}
-	if ((rc = pass_rows(&mid, src, &tx, params->wrap.clamp_u, nt, err)) !=
-		BAKE_OK ||
-	    (rc = pass_columns(&out, &mid, &ty, params->wrap.clamp_v, range, nt,
-		 err)) != BAKE_OK)
-		goto out;
+#pragma omp parallel for schedule(static) num_threads(nt)
+	for (int y = 0; y < height; y++)
+		bake_resampler_row(r, y, bake_image_row(&out, y),
+		    scratch + (size_t)omp_get_thread_num() * n);
 	bake_image_swap(dst, &out);
 out:
-	free(range);
-	bake_image_free(&mid);
+	free(scratch);
 	bake_image_free(&out);
-	taps_free(&tx);
-	taps_free(&ty);
+	bake_resampler_close(r);
 	return rc;
 }
 

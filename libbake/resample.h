@@ -89,6 +89,36 @@ BAKE_API enum bake_status bake_resample(const struct bake_image *src,
     struct bake_wrap wrap, enum bake_filter filter, int width, int height,
     int nthreads, struct bake_image *dst, struct bake_err *err);
 
+/*
+ * The same row by row, for results that are used up as they come: what
+ * bake_resample_mapped computes, bit for bit, without an image to hold it.
+ *
+ * bake_resampler_open makes the tables of weights and, unless every column of
+ * the result is a single source texel (step_u = 1 at a whole offset, or BOX
+ * and TRIANGLE where they hit texels), resamples all rows of the source. Then
+ * bake_resampler_row gives row y, 0 <= y < height: width texels of src's
+ * channels.
+ *
+ *   src      must outlive the resampler, and stay as it was
+ *   scratch  bake_resampler_scratch(r) doubles, of one thread
+ *   row      out: width * src->nchans floats
+ *
+ * Memory: a float image of width x src->height unless the columns are single
+ * texels, and the tables. Errors are those of bake_resample_mapped; on failure
+ * *resampler is NULL. Threads may ask one resampler for rows at once.
+ */
+struct bake_resampler;
+BAKE_API enum bake_status bake_resampler_open(struct bake_resampler **resampler,
+    const struct bake_image *src, int width, int height,
+    const struct bake_resample_params *params, struct bake_err *err);
+BAKE_API size_t bake_resampler_scratch(const struct bake_resampler *r);
+BAKE_API void bake_resampler_row(
+    const struct bake_resampler *r, int y, float *row, double *scratch);
+/* Whether every texel of the result is one texel of the source, bit for bit. */
+BAKE_API bool bake_resampler_copies(const struct bake_resampler *r);
+/* Harmless on NULL. */
+BAKE_API void bake_resampler_close(struct bake_resampler *r);
+
 #ifdef __cplusplus
 }
 #endif

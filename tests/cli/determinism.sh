@@ -1,7 +1,7 @@
 # The same bytes whatever the threads, the processor, the folder, the time.
 # SPDX-License-Identifier: MIT
 . "$LIB"
-need rm-pack rm-aobake
+need rm-pack rm-aobake rm-combine rm-rescale-ao
 cp "$DATA/stone_depth.png" depth.png
 cp "$DATA/stone_normal.png" normal.png
 
@@ -54,6 +54,19 @@ ok rm-pack -q -j1 --normal normal.png --ao none -d float -o one.exr
 ok env BAKE_ISA=baseline rm-pack -q -j7 --normal normal.png --ao none \
     -d float -o many.exr
 same_bytes one.exr many.exr
+
+check 'blends and rescaled occlusion'
+ok rm-pack -q --normal normal.png --depth depth.png -d uint16 -o base.png
+for o in seed pd rnm udn whiteout from-depth; do
+	ok rm-combine -q -j1 --normal-blend $o --ao-rescale base.png \
+	    -w 0.3 -t 2.5 base.png -o one.exr
+	ok env BAKE_ISA=baseline rm-combine -q -j7 --normal-blend $o \
+	    --ao-rescale base.png -w 0.3 -t 2.5 base.png -o many.exr
+	same_bytes one.exr many.exr
+done
+ok rm-rescale-ao -q -j1 --scale 2 base.png -o one.png
+ok env BAKE_ISA=baseline rm-rescale-ao -q -j7 --scale 2 base.png -o many.png
+same_bytes one.png many.png
 
 check 'an unknown instruction set is not taken silently for another'
 exits 0 env BAKE_ISA=nonsense rm-aobake -q -n7 depth.png -o isa.exr

@@ -1,7 +1,7 @@
 # AO after rescaling: Eq. 6 in its channel, and nothing else in any other.
 # SPDX-License-Identifier: MIT
 . "$LIB"
-need rm-rescale-ao rm-aobake rm-pack rm-info python3
+need rm-rescale-ao rm-combine rm-aobake rm-pack rm-info python3
 
 # is_eq6 FROM TO BITS S CHANNEL WHAT: the channel of TO is that of FROM (one
 # channel), each code by the formula in rationals; where that lies on the border
@@ -264,6 +264,29 @@ stderr_one_line 'h.exr: is 61x38, expected 60x38 as other.png'
 exits 1 rm-rescale-ao --to 0.2 --compare other.png ao.png
 stderr_one_line 'ao.png: AO of 61x38 texels against 60x38'
 absent out.png out.exr
+
+check 'the scale of the AO travels through the other tools'
+ok rm-pack -q --depth depth.png -s 0.1 -d uint16 -o scaled.png
+ok rm-aobake -q -n12 --no-blur -s 0.2 --in-place-channel B scaled.png
+ok rm-info scaled.png
+stdout_has 'declared: 0.1)'
+stdout_has 'ao scale *0.2 '
+ok rm-info --json scaled.png
+stdout_has '"ao_scale": *0.2'
+ok rm-pack -q --unpack scaled.png --ao-out scaled_ao.png \
+    --normal-out scaled_n.png --depth-out scaled_d.png
+grep -aq 'DepthScale=0.2' scaled_ao.png || bad 'the AO lost its scale'
+grep -aq 'DepthScale=0.1' scaled_n.png || bad 'the normals lost theirs'
+ok rm-pack -q --normal scaled_n.png --depth scaled_d.png --ao scaled_ao.png \
+    -o scaled2.png
+ok rm-info --compare scaled.png scaled2.png
+grep -aq 'AOScale=0.2' scaled2.png || bad 'AOScale is missing'
+# alone, at its own scale: Eq. 6 brings the AO from 0.2 back to 0.1
+ok rm-combine -q --ao-rescale scaled.png -o combined.exr -d float
+ok rm-rescale-ao -q --to 0.1 scaled.png -o back.exr -d float
+ok rm-info --compare combined.exr back.exr
+rm -f scaled.png scaled_ao.png scaled_n.png scaled_d.png scaled2.png \
+    combined.exr back.exr
 
 check 'the old file stays where a run fails'
 cp ao.png keep.png

@@ -124,7 +124,9 @@ same_meta(const struct bake_relief_meta *a, const struct bake_relief_meta *b)
 	       (float)a->depth_scale == (float)b->depth_scale &&
 	       a->has_wrap == b->has_wrap &&
 	       a->wrap.clamp_u == b->wrap.clamp_u &&
-	       a->wrap.clamp_v == b->wrap.clamp_v;
+	       a->wrap.clamp_v == b->wrap.clamp_v && a->nkeep == b->nkeep &&
+	       a->has_ao_scale == b->has_ao_scale &&
+	       (float)a->ao_scale == (float)b->ao_scale;
 }
 
 /* Every combination, through the attributes and through one line of text. */
@@ -140,6 +142,8 @@ metadata_come_back(void)
 		int wrap = i / 270 % 5;
 
 		meta.layout = (enum bake_layout)(i % 10);
+		meta.has_ao_scale = i % 7 == 0;
+		meta.ao_scale = meta.has_ao_scale ? 0.3 : 0;
 		meta.polarity = (enum bake_polarity)(i / 10 % 3);
 		meta.normal_y = (enum bake_normal_y)(i / 30 % 3);
 		meta.normal_code = (enum bake_normal_code)(i / 90 % 3);
@@ -168,7 +172,8 @@ metadata_have_their_names(void)
 {
 	struct bake_relief_meta meta = { BAKE_LAYOUT_RELIEF,
 		BAKE_POLARITY_DEPTH, BAKE_NORMAL_Y_DOWN,
-		BAKE_NORMAL_CODE_SIGNED, 0.1, true, { true, false } };
+		BAKE_NORMAL_CODE_SIGNED, 0.1, true, { true, false }, true, 0.2,
+		3, { 0.13, 0.078787878, INFINITY } };
 	struct bake_attrs attrs;
 	char line[512];
 
@@ -177,7 +182,9 @@ metadata_have_their_names(void)
 	bake_attrs_format(&attrs, line, sizeof line);
 	CHECK(strcmp(line, "relief:Layout=relief; relief:Polarity=depth; "
 			   "relief:NormalY=down; relief:NormalCode=signed; "
-			   "relief:DepthScale=0.1; relief:Wrap=clamp-u") == 0);
+			   "relief:DepthScale=0.1; relief:Wrap=clamp-u; "
+			   "relief:AOScale=0.2; "
+			   "relief:KeepScale=0.13,0.0787879,inf") == 0);
 	CHECK(
 	    strcmp(bake_normal_code_name(BAKE_NORMAL_CODE_AUTO), "auto") == 0);
 	CHECK(strcmp(bake_normal_code_name(BAKE_NORMAL_CODE_UNSIGNED),
@@ -218,6 +225,11 @@ hostile_metadata_read_as_not_said(void)
 		"relief:depthscale=0.1", "DepthScale=0.1",
 		"relief:Layout=unknown; relief:Polarity=unsure; "
 		"relief:NormalY=unsure; relief:NormalCode=auto",
+		"relief:KeepScale=", "relief:KeepScale=,",
+		"relief:KeepScale=0.1,", "relief:KeepScale=,0.1",
+		"relief:KeepScale=0.1,0", "relief:KeepScale=0.1,-1",
+		"relief:KeepScale=0.1 0.2", "relief:KeepScale=0.1,nan",
+		"relief:KeepScale=1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17",
 		/* no attribute takes another's words */
 		"relief:Layout=height; relief:Polarity=up; "
 		"relief:NormalY=depth; "
@@ -241,6 +253,33 @@ hostile_metadata_read_as_not_said(void)
 	meta = parsed_meta("relief:DepthScale=2.5e-1; relief:Wrap=clamp-v");
 	CHECK(meta.depth_scale == 0.25 && meta.has_wrap && !meta.wrap.clamp_u &&
 	      meta.wrap.clamp_v);
+}
+
+/* As many digits as there is room for, 6 at most and 3 at least. */
+static void
+lists_of_keep_scales_come_back(void)
+{
+	for (int n = 1; n <= BAKE_KEEP_SCALES; n++) {
+		struct bake_relief_meta meta = BAKE_RELIEF_META_INIT, back;
+		struct bake_attrs attrs;
+
+		meta.nkeep = n;
+		for (int i = 0; i < n; i++)
+			meta.keep_scale[i] =
+			    i % 5 == 4 ? INFINITY : 0.123456789 / (i + 1);
+		bake_attrs_clear(&attrs);
+		bake_relief_meta_to_attrs(&meta, &attrs);
+		bake_relief_meta_from_attrs(&back, &attrs);
+		CHECK(back.nkeep == n);
+		for (int i = 0; i < n; i++)
+			if (isinf(meta.keep_scale[i]))
+				CHECK(isinf(back.keep_scale[i]));
+			else
+				/* half of the last of 6 digits, or of 3 */
+				CHECK_NEAR(
+				    back.keep_scale[i] / meta.keep_scale[i], 1,
+				    n <= 10 ? 5e-6 : 5e-3);
+	}
 }
 
 /* Each channel of each file of each target, bit for bit. */
@@ -489,6 +528,7 @@ main(int argc, char *argv[])
 		CASE(metadata_come_back),
 		CASE(metadata_have_their_names),
 		CASE(hostile_metadata_read_as_not_said),
+		CASE(lists_of_keep_scales_come_back),
 		CASE(pack_puts_planes_in_channels),
 		CASE(pack_wants_what_it_needs),
 		CASE(flip_mirrors_every_code),
