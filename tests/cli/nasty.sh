@@ -2,7 +2,7 @@
 # file; never a signal, a hang, all of the memory or a leftover.
 # SPDX-License-Identifier: MIT
 . "$LIB"
-need rm-pack rm-aobake rm-info
+need rm-pack rm-aobake rm-info rm-combine rm-rescale-ao
 
 images=$RELIEF_DATA/nasty_images
 if [ ! -d "$images" ]; then
@@ -28,18 +28,23 @@ try() {
 		bad "'$*' fails and yet prints to standard output"
 }
 
+# The output is there if and only if that succeeds.
+try_image() {
+	try "$@" -o out.png
+	[ "$status" -ne 0 ] || present out.png
+	[ "$status" -eq 0 ] || absent out.png
+	rm -f out.png
+}
+
 for path in "$images"/*; do
 	name=$(basename "$path")
 	check "$name"
 	try rm-info -q "$path"
-	try rm-aobake -n4 -q "$path" -o ao.png
-	[ "$status" -ne 0 ] || present ao.png
-	[ "$status" -eq 0 ] || absent ao.png
-	rm -f ao.png
-	try rm-pack -q --ao none --depth "$path" -o packed.png
-	[ "$status" -ne 0 ] || present packed.png
-	[ "$status" -eq 0 ] || absent packed.png
-	rm -f packed.png
+	try_image rm-aobake -n4 -q "$path"
+	try_image rm-pack -q --ao none --depth "$path"
+	try_image rm-combine -q --size 32x32 --normal-blend from-depth \
+	    --ao none --depth "$path"
+	try_image rm-rescale-ao -q --scale 2 "$path"
 	no_litter ''
 done
 

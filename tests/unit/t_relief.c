@@ -156,7 +156,8 @@ metadata_come_back(void)
 		CHECK(attrs.n == (meta.layout != 0) + (meta.polarity != 0) +
 				     (meta.normal_y != 0) +
 				     (meta.normal_code != 0) +
-				     (meta.depth_scale > 0) + meta.has_wrap);
+				     (meta.depth_scale > 0) + meta.has_wrap +
+				     meta.has_ao_scale);
 		bake_relief_meta_from_attrs(&back, &attrs);
 		CHECK(same_meta(&meta, &back));
 		bake_attrs_format(&attrs, line, sizeof line);
