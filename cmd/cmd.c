@@ -366,6 +366,8 @@ output_is_clear(const struct cmd *cmd)
 
 	if (cmd->output != NULL && cmd->output_dir != NULL)
 		return cmd_usage_error(cmd, "-o and -O exclude each other");
+	if (!(cmd->tool->groups & CMD_OPTS_OUTPUT))
+		return true; /* the tool knows what it writes */
 	by_name =
 	    cmd->output != NULL && bake_file_type_from_path(cmd->output, &type);
 	if (cmd->output != NULL && !cmd->has_type && !by_name)

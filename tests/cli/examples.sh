@@ -27,7 +27,7 @@ run_all() {
 	[ -s "$PRIV/script" ] || bad 'it has no example'
 	rm -rf folder
 	mkdir folder
-	for f in "$DATA"/*.png; do
+	for f in "$DATA"/*.png "$DATA"/*.obj; do
 		ln -s "$f" folder
 	done
 	(cd folder && sh -eu "$PRIV/script") >"$PRIV/out" 2>"$PRIV/err" || {

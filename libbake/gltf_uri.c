@@ -1,0 +1,288 @@
+/* glTF files: the names of files, data URIs, and files as bytes. */
+/* SPDX-License-Identifier: MIT */
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "gltf_priv.h"
+
+/* -- bytes ----------------------------------------------------------------- */
+
+bool
+bake_gltf_append(struct bake_gltf_bytes *bytes, const void *data, size_t n)
+{
+	if (n > bytes->room - bytes->n) {
+		size_t room = bytes->room + bytes->room / 2 + 4096;
+		unsigned char *grown;
+
+		if (n > SIZE_MAX / 2 - bytes->n)
+			return false;
+		if (room < bytes->n + n)
+			room = bytes->n + n;
+		grown = realloc(bytes->data, room);
+		if (grown == NULL)
+			return false;
+		bytes->data = grown;
+		bytes->room = room;
+	}
+	if (data != NULL && n > 0)
+		memcpy(bytes->data + bytes->n, data, n);
+	else if (n > 0)
+		memset(bytes->data + bytes->n, 0, n);
+	bytes->n += n;
+	return true;
+}
+
+bool
+bake_gltf_pad(struct bake_gltf_bytes *bytes, unsigned char fill)
+{
+	while (bytes->n % 4 != 0)
+		if (!bake_gltf_append(bytes, &fill, 1))
+			return false;
+	return true;
+}
+
+enum bake_status
+bake_gltf_load(const char *path, size_t max_bytes,
+    struct bake_gltf_bytes *bytes, bool *missing, struct bake_err *err)
+{
+	/* a pipe would wait for someone to write */
+	int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+	FILE *fp = fd >= 0 ? fdopen(fd, "rb") : NULL;
+	enum bake_status rc = BAKE_OK;
+	unsigned char part[65536];
+	struct stat st;
+	size_t n;
+
+	if (missing != NULL)
+		*missing = fp == NULL && errno == ENOENT;
+	if (fp == NULL) {
+		rc = bake_fail(err, BAKE_EIO, "%s: %s", path, strerror(errno));
+		if (fd >= 0)
+			close(fd);
+		return rc;
+	}
+	if (fstat(fileno(fp), &st) != 0 || !S_ISREG(st.st_mode))
+		rc = bake_fail(err, BAKE_EIO, "%s: is no regular file", path);
+	while (rc == BAKE_OK && (n = fread(part, 1, sizeof part, fp)) > 0)
+		if (n > max_bytes - bytes->n)
+			rc = bake_fail(err, BAKE_ELIMIT,
+			    "%s: is larger than %zu bytes", path, max_bytes);
+		else if (!bake_gltf_append(bytes, part, n))
+			rc = bake_fail(err, BAKE_ENOMEM, "%s: no memory", path);
+	if (rc == BAKE_OK && ferror(fp))
+		rc = bake_fail(err, BAKE_EIO, "%s: %s", path, strerror(errno));
+	fclose(fp);
+	return rc;
+}
+
+/* -- names of files -----------------------------------------------------------
+ */
+
+bool
+bake_gltf_is_file(const char *uri)
+{
+	const char *p = uri;
+
+	/* RFC 3986: a scheme is a letter, then letters, digits, + - . */
+	if (!isalpha((unsigned char)*p))
+		return true;
+	while (
+	    isalnum((unsigned char)*p) || *p == '+' || *p == '-' || *p == '.')
+		p++;
+	return *p != ':';
+}
+
+static int
+hex(char c)
+{
+	if (c >= '0' && c <= '9')
+		return c - '0';
+	if (c >= 'a' && c <= 'f')
+		return c - 'a' + 10;
+	return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+char *
+bake_gltf_path(const char *folder, const char *uri)
+{
+	size_t n = strlen(folder);
+	char *path = malloc(n + strlen(uri) + 1), *at;
+
+	if (path == NULL)
+		return NULL;
+	if (*uri == '/')
+		n = 0;
+	memcpy(path, folder, n);
+	for (at = path + n; *uri != '\0'; uri++)
+		if (*uri == '%' && hex(uri[1]) >= 0 && hex(uri[2]) >= 0 &&
+		    (uri[1] != '0' || uri[2] != '0')) {
+			*at++ = (char)(hex(uri[1]) * 16 + hex(uri[2]));
+			uri += 2;
+		} else {
+			*at++ = *uri;
+		}
+	*at = '\0';
+	return path;
+}
+
+/* Append a path's text to a URI, with %xx for what a URI cannot hold. */
+static char *
+put_escaped(char *at, const char *text, size_t n)
+{
+	static const char digits[] = "0123456789ABCDEF";
+
+	for (size_t i = 0; i < n; i++) {
+		unsigned char c = (unsigned char)text[i];
+
+		if (isalnum(c) || strchr("-._~/!$&'()*+,;=@", c) != NULL) {
+			*at++ = (char)c;
+		} else {
+			*at++ = '%';
+			*at++ = digits[c >> 4];
+			*at++ = digits[c & 15];
+		}
+	}
+	return at;
+}
+
+/* The real path of the folder that a file is in, ending in '/'. */
+static char *
+real_folder(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	char *name = slash == NULL ? strdup("./")
+				   : strndup(path, (size_t)(slash + 1 - path));
+	char *real = name != NULL ? realpath(name, NULL) : NULL, *whole = NULL;
+
+	if (real != NULL &&
+	    asprintf(&whole, "%s%s", real, strcmp(real, "/") ? "/" : "") < 0)
+		whole = NULL;
+	free(name);
+	free(real);
+	return whole;
+}
+
+enum bake_status
+bake_gltf_relative(
+    const char *folder, const char *out, char **head, struct bake_err *err)
+{
+	char *from = real_folder(strcmp(out, "-") == 0 ? "./" : out);
+	char *to = real_folder(folder);
+	enum bake_status rc = BAKE_OK;
+	size_t same = 0, nup = 0;
+	char *at;
+
+	*head = NULL;
+	if (from == NULL || to == NULL) {
+		rc = bake_fail(err, errno == ENOMEM ? BAKE_ENOMEM : BAKE_EIO,
+		    "%s: %s", from == NULL ? out : folder, strerror(errno));
+		goto out;
+	}
+	for (size_t i = 0; from[i] != '\0' && from[i] == to[i]; i++)
+		if (from[i] == '/')
+			same = i + 1;
+	for (const char *p = from + same; *p != '\0'; p++)
+		nup += *p == '/';
+	*head = at = malloc(3 * (nup + strlen(to)) + 1);
+	if (at == NULL) {
+		rc = bake_fail(err, BAKE_ENOMEM, "%s: no memory", out);
+		goto out;
+	}
+	for (size_t i = 0; i < nup; i++)
+		at = stpcpy(at, "../");
+	at = put_escaped(at, to + same, strlen(to + same));
+	*at = '\0';
+out:
+	free(from);
+	free(to);
+	return rc;
+}
+
+/* -- data URIs ----------------------------------------------------------------
+ */
+
+static const char base64[] =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+static bool
+decode_base64(const char *text, struct bake_gltf_bytes *bytes, bool *memory)
+{
+	signed char value[256];
+	unsigned bits = 0, nbits = 0;
+
+	memset(value, -1, sizeof value);
+	for (int i = 0; i < 64; i++)
+		value[(unsigned char)base64[i]] = (signed char)i;
+	*memory = true;
+	for (; *text != '\0' && *text != '='; text++) {
+		int v = value[(unsigned char)*text];
+		unsigned char byte;
+
+		if (v < 0)
+			return false;
+		bits = bits << 6 | (unsigned)v;
+		nbits += 6;
+		if (nbits < 8)
+			continue;
+		nbits -= 8;
+		byte = (unsigned char)(bits >> nbits);
+		if (!bake_gltf_append(bytes, &byte, 1)) {
+			*memory = false;
+			return false;
+		}
+	}
+	return strspn(text, "=") == strlen(text) && nbits < 6;
+}
+
+enum bake_status
+bake_gltf_decode(
+    const char *uri, struct bake_gltf_bytes *bytes, struct bake_err *err)
+{
+	const char *comma = strchr(uri, ',');
+	bool memory = true;
+
+	if (strncmp(uri, "data:", 5) != 0)
+		return bake_fail(err, BAKE_EDATA,
+		    "a buffer is at '%.60s', which is no file", uri);
+	if (comma == NULL || comma - uri < 12 ||
+	    strncmp(comma - 7, ";base64", 7) != 0 ||
+	    !decode_base64(comma + 1, bytes, &memory))
+		return memory ? bake_fail(err, BAKE_EDATA,
+				    "a buffer's data URI is no base64")
+			      : bake_fail(err, BAKE_ENOMEM, "no memory");
+	return BAKE_OK;
+}
+
+char *
+bake_gltf_encode(const unsigned char *data, size_t n)
+{
+	static const char head[] = "data:application/octet-stream;base64,";
+	char *uri, *at;
+
+	if (n > SIZE_MAX / 2)
+		return NULL;
+	uri = malloc(sizeof head + n / 3 * 4 + 8);
+	if (uri == NULL)
+		return NULL;
+	at = stpcpy(uri, head);
+	for (size_t i = 0; i < n; i += 3) {
+		size_t left = n - i;
+		unsigned v = (unsigned)data[i] << 16 |
+			     (left > 1 ? (unsigned)data[i + 1] << 8 : 0) |
+			     (left > 2 ? data[i + 2] : 0);
+
+		*at++ = base64[v >> 18];
+		*at++ = base64[v >> 12 & 63];
+		*at++ = left > 1 ? base64[v >> 6 & 63] : '=';
+		*at++ = left > 2 ? base64[v & 63] : '=';
+	}
+	*at = '\0';
+	return uri;
+}
