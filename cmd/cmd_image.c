@@ -450,20 +450,15 @@ write_params(struct cmd *cmd, const char *path, enum bake_data_format deepest,
 }
 
 bool
-cmd_write_attrs(struct cmd *cmd, const struct bake_image *img, const char *path,
-    enum bake_data_format deepest, const struct bake_attrs *attrs,
-    const char *const *names)
+cmd_write_as(struct cmd *cmd, const struct bake_image *img, const char *path,
+    const struct bake_write_params *p)
 {
 	struct bake_output out = BAKE_OUTPUT_INIT;
-	struct bake_write_params p = { .names = names };
 	struct bake_err err = BAKE_ERR_INIT;
 	size_t nclipped = 0;
 
-	if (!write_params(cmd, path, deepest, &p))
-		return false;
-	p.attrs = *attrs;
 	if (bake_output_open(&out, path, &err) != BAKE_OK ||
-	    bake_image_write(img, &p, out.stream, path, &nclipped, &err) !=
+	    bake_image_write(img, p, out.stream, path, &nclipped, &err) !=
 		BAKE_OK ||
 	    bake_output_commit(&out, &err) != BAKE_OK) {
 		bake_output_abort(&out);
@@ -478,6 +473,17 @@ cmd_write_attrs(struct cmd *cmd, const struct bake_image *img, const char *path,
 	cmd_flush_warnings(cmd);
 	cmd_list_add(&cmd->written, path);
 	return true;
+}
+
+bool
+cmd_write_attrs(struct cmd *cmd, const struct bake_image *img, const char *path,
+    enum bake_data_format deepest, const struct bake_attrs *attrs,
+    const char *const *names)
+{
+	struct bake_write_params p = { .names = names, .attrs = *attrs };
+
+	return write_params(cmd, path, deepest, &p) &&
+	       cmd_write_as(cmd, img, path, &p);
 }
 
 bool

@@ -101,4 +101,8 @@ bool cmd_write_attrs(struct cmd *cmd, const struct bake_image *img,
     const char *path, enum bake_data_format deepest,
     const struct bake_attrs *attrs, const char *const *names);
 
+/* The same with all that the options would say given. */
+bool cmd_write_as(struct cmd *cmd, const struct bake_image *img,
+    const char *path, const struct bake_write_params *p);
+
 #endif

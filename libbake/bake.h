@@ -30,5 +30,7 @@
 #include "relief.h"
 #include "repair.h"
 #include "resample.h"
+#include "roughen.h"
+#include "roughen_picture.h"
 
 #endif

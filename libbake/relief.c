@@ -9,7 +9,7 @@
 
 static const char *const layout_names[] = { "unknown", "relief",
 	"normal-relief", "normal", "depth", "ao", "orm", "mask", "bent",
-	"horizons" };
+	"horizons", "roughen-lut" };
 static const char *const wrap_names[] = { "tile", "clamp-u", "clamp-v",
 	"clamp" };
 

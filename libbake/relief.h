@@ -22,7 +22,8 @@ enum bake_layout {
 	BAKE_LAYOUT_ORM,   /* R = AO, G = roughness, B = metallic */
 	BAKE_LAYOUT_MASK, /* R = metallic, G = AO, B = detail, A = smoothness */
 	BAKE_LAYOUT_BENT, /* R, G, B = bent normal x, y, z */
-	BAKE_LAYOUT_HORIZONS /* tan of the horizon angle per direction */
+	BAKE_LAYOUT_HORIZONS,   /* tan of the horizon angle per direction */
+	BAKE_LAYOUT_ROUGHEN_LUT /* rm-roughen's remap, see bake_roughen_lut */
 };
 
 /* "relief", "normal-relief", "normal" …; "unknown". Static text. */

@@ -1,7 +1,7 @@
 # What every tool does with its common options, good and bad.
 # SPDX-License-Identifier: MIT
 . "$LIB"
-need rm-pack rm-aobake rm-info rm-combine rm-rescale-ao
+need rm-pack rm-aobake rm-info rm-combine rm-rescale-ao rm-roughen
 cp "$DATA/woven_depth.png" depth.png
 
 # Exit status 2, one reason, then the usage as --help has it, no more.
@@ -14,7 +14,7 @@ usage_error() {
 		bad "'$*': not one reason and the usage:" "$(cat "$PRIV/err")"
 }
 
-for tool in rm-pack rm-aobake rm-info rm-combine rm-rescale-ao; do
+for tool in rm-pack rm-aobake rm-info rm-combine rm-rescale-ao rm-roughen; do
 	check "$tool --help goes to standard output"
 	ok $tool --help
 	stdout_has "^usage: $tool "

@@ -2,7 +2,7 @@
 # file; never a signal, a hang, all of the memory or a leftover.
 # SPDX-License-Identifier: MIT
 . "$LIB"
-need rm-pack rm-aobake rm-info rm-combine rm-rescale-ao
+need rm-pack rm-aobake rm-info rm-combine rm-rescale-ao rm-roughen
 
 images=$RELIEF_DATA/nasty_images
 if [ ! -d "$images" ]; then
@@ -45,6 +45,7 @@ for path in "$images"/*; do
 	try_image rm-combine -q --size 32x32 --normal-blend from-depth \
 	    --ao none --depth "$path"
 	try_image rm-rescale-ao -q --scale 2 "$path"
+	try_image rm-roughen -q --angle 60 "$path"
 	no_litter ''
 done
 
