@@ -3,10 +3,9 @@
 #include "mesh_frame.h"
 
 #include <omp.h>
-#include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
 
+#include "isa.h"
 #include "mem.h"
 #include "mesh_frame_priv.h"
 #include "parallel.h"
@@ -35,6 +34,7 @@ static size_t
 find_several(const struct bake_mesh *m, int *only)
 {
 	size_t n = 0;
+	bool any = false;
 
 	for (size_t v = 0; v < m->npositions; v++)
 		only[v] = UNUSED;
@@ -43,10 +43,12 @@ find_several(const struct bake_mesh *m, int *only)
 
 		if (only[c->v] == UNUSED)
 			only[c->v] = c->vt;
-		else if (only[c->v] != c->vt)
+		else if (only[c->v] != c->vt) {
 			only[c->v] = SEVERAL;
+			any = true;
+		}
 	}
-	for (size_t i = 0; i < 3 * m->ntriangles; i++)
+	for (size_t i = 0; any && i < 3 * m->ntriangles; i++)
 		n += only[m->triangles[i / 3][i % 3].v] == SEVERAL;
 	return n;
 }
@@ -127,7 +129,8 @@ number_frames(
 	npairs = find_several(m, only);
 	if ((pairs = bake_alloc(npairs, sizeof *pairs, err)) == NULL)
 		goto out;
-	npairs = list_pairs(m, only, pairs);
+	if (npairs > 0)
+		npairs = list_pairs(m, only, pairs);
 	for (size_t v = 0; v < m->npositions; v++)
 		total += only[v] != SEVERAL && only[v] != UNUSED;
 	total += npairs;
@@ -149,113 +152,12 @@ out:
 	return rc;
 }
 
-/* -- the order of work --------------------------------------------------- */
-
-/* A point and where it is on a curve that fills space. */
-struct place {
-	uint32_t code;
-	int point;
-};
-
-/* Bits of x, each two places apart. */
-static uint32_t
-spread(uint32_t x)
-{
-	x = (x | x << 16) & 0x030000ff;
-	x = (x | x << 8) & 0x0300f00f;
-	x = (x | x << 4) & 0x030c30c3;
-	return (x | x << 2) & 0x09249249;
-}
-
-/* Sort by the 30 bits of code: three passes of 10. */
-static void
-sort_places(struct place *a, struct place *b, size_t n)
-{
-	enum { BITS = 10, SIZE = 1 << BITS };
-	size_t at[SIZE];
-
-	for (int shift = 0; shift < 3 * BITS; shift += BITS) {
-		struct place *swap = a;
-		size_t sum = 0;
-
-		memset(at, 0, sizeof at);
-		for (size_t i = 0; i < n; i++)
-			at[a[i].code >> shift & (SIZE - 1)]++;
-		for (int d = 0; d < SIZE; d++) {
-			size_t count = at[d];
-
-			at[d] = sum;
-			sum += count;
-		}
-		for (size_t i = 0; i < n; i++)
-			b[at[a[i].code >> shift & (SIZE - 1)]++] = a[i];
-		a = b;
-		b = swap;
-	}
-}
-
-/* Whether corners of a triangle are near each other in memory, most of them:
- * the mean distance of their numbers is small. */
-static bool
-is_local(const struct bake_mesh *m)
-{
-	double sum = 0.0;
-
-	for (size_t i = 0; i < m->ntriangles; i++)
-		sum += abs(m->triangles[i][0].v - m->triangles[i][1].v);
-	return sum < 8192.0 * (double)m->ntriangles;
-}
-
-/*
- * An order of points in which neighbours are worked on one soon after the
- * other, so that what they share is still in the cache: along Morton's curve.
- * *order stays NULL where the file's own order is as good. The result is the
- * same in any order.
- */
-static enum bake_status
-order_points(
-    const struct bake_mesh *m, struct place **order, struct bake_err *err)
-{
-	struct place *places, *scratch;
-	double lo[3], hi[3];
-
-	*order = NULL;
-	if (is_local(m))
-		return BAKE_OK;
-	places = bake_alloc(m->npositions, sizeof *places, err);
-	scratch = bake_alloc(m->npositions, sizeof *scratch, err);
-	if (places == NULL || scratch == NULL) {
-		free(places);
-		free(scratch);
-		return BAKE_ENOMEM;
-	}
-	bake_mesh_bounds(m, lo, hi);
-	for (size_t i = 0; i < m->npositions; i++) {
-		places[i].code = 0;
-		places[i].point = (int)i;
-		for (int k = 0; k < 3; k++) {
-			double x = (m->positions[i][k] - lo[k]) /
-				   (hi[k] - lo[k]) * 1023.0;
-
-			/* false where the box has no extent, and for what is
-			 * outside: in no triangle */
-			if (x >= 0.0 && x <= 1023.0)
-				places[i].code |= spread((uint32_t)x) << k;
-		}
-	}
-	/* an odd number of passes: the result is in the second array */
-	sort_places(places, scratch, m->npositions);
-	free(places);
-	*order = scratch;
-	return BAKE_OK;
-}
-
 /* -- all of them --------------------------------------------------------- */
 
 static int
-most_corners(const struct bake_adjacency *adj)
+room_for_corners(const struct bake_adjacency *adj)
 {
-	int most = 1;
+	int most = BAKE_FRAME_BATCH;
 
 	for (size_t i = 0; i < adj->npositions; i++)
 		if (adj->start[i + 1] - adj->start[i] > most)
@@ -291,30 +193,38 @@ check(const struct bake_mesh *m, const struct bake_weld *weld,
 static enum bake_status
 do_points(struct frame_job *job, struct bake_err *err)
 {
+	enum { CHUNK = 256 };
+	static void (*const kernels[])(struct frame_batch *, int) =
+	    BAKE_KERNEL_TABLE(bake_frame_corners);
 	int nthreads = bake_threads(job->params->nthreads);
-	size_t most = (size_t)most_corners(job->adj);
+	size_t most = (size_t)room_for_corners(job->adj);
 	size_t total = (size_t)nthreads * most;
 	const struct frame_bench all = { bake_alloc(
 					     total, sizeof *all.items, err),
 		bake_alloc(total, sizeof *all.order, err),
-		bake_alloc(total, sizeof *all.angle, err) };
-	struct place *order = NULL;
+		bake_alloc(total, 2 * sizeof *all.spokes, err),
+		bake_zalloc((size_t)nthreads, sizeof *all.batch, err) };
 	ptrdiff_t n = (ptrdiff_t)job->mesh->npositions;
-	enum bake_status rc = order_points(job->mesh, &order, err);
+	enum bake_status rc = BAKE_OK;
 
-	if (rc != BAKE_OK || all.items == NULL || all.order == NULL ||
-	    all.angle == NULL) {
+	if (all.items == NULL || all.order == NULL || all.spokes == NULL ||
+	    all.batch == NULL) {
 		rc = BAKE_ENOMEM;
 		goto out;
 	}
-#pragma omp parallel for schedule(dynamic, 256) num_threads(nthreads)
-	for (ptrdiff_t i = 0; i < n; i++) {
-		size_t at = (size_t)omp_get_thread_num() * most;
+	job->corners = kernels[bake_isa_pick()];
+	for (int i = 0; i < nthreads; i++)
+		all.batch[i].weight = job->params->weight;
+#pragma omp parallel for schedule(dynamic) num_threads(nthreads)
+	for (ptrdiff_t i = 0; i < n; i += CHUNK) {
+		size_t thread = (size_t)omp_get_thread_num();
+		size_t at = thread * most;
 		const struct frame_bench bench = { all.items + at,
-			all.order + at, all.angle + at };
+			all.order + at, all.spokes + 2 * at,
+			all.batch + thread };
 
-		bake_frame_point(
-		    job, order != NULL ? order[i].point : (int)i, &bench);
+		bake_frame_points(
+		    job, (int)i, (int)(n - i < CHUNK ? n : i + CHUNK), &bench);
 	}
 	n = (ptrdiff_t)job->frames->nframes;
 #pragma omp parallel for schedule(static) num_threads(nthreads)
@@ -323,8 +233,8 @@ do_points(struct frame_job *job, struct bake_err *err)
 out:
 	free(all.items);
 	free(all.order);
-	free(all.angle);
-	free(order);
+	free(all.spokes);
+	free(all.batch);
 	return rc;
 }
 
@@ -363,36 +273,64 @@ count(const struct bake_mesh *m, struct bake_frames *frames)
 		frames->flat_uv_triangles += has_flat_uvs(m, m->triangles[i]);
 }
 
+/* In the order the mesh has. */
+static enum bake_status
+do_frames(struct frame_job *job, struct bake_err *err)
+{
+	struct bake_adjacency own = BAKE_ADJACENCY_INIT;
+	const struct bake_mesh *m = job->mesh;
+	enum bake_status rc = BAKE_OK;
+
+	if (job->adj == NULL) {
+		rc = bake_mesh_adjacency(m, job->weld, false, &own, err);
+		if (rc != BAKE_OK)
+			return rc;
+		job->adj = &own;
+	}
+	job->point_normal =
+	    bake_alloc(m->npositions, sizeof *job->point_normal, err);
+	if (job->point_normal == NULL)
+		rc = BAKE_ENOMEM;
+	else if ((rc = number_frames(m, job->frames, err)) == BAKE_OK &&
+		 (rc = do_points(job, err)) == BAKE_OK)
+		count(m, job->frames);
+	free(job->point_normal);
+	bake_adjacency_free(&own);
+	return rc;
+}
+
+/* In an order where what is near in space is near in memory. The result is
+ * the same in any order: only the time is not. */
+static enum bake_status
+do_copy(const struct frame_job *job, struct bake_err *err)
+{
+	struct frame_copy copy;
+	struct bake_frames frames = BAKE_FRAMES_INIT;
+	struct frame_job local = { &copy.mesh, &copy.weld, NULL, job->params,
+		&frames, NULL, NULL };
+	enum bake_status rc;
+
+	if ((rc = bake_frame_copy(job->mesh, job->weld, &copy, err)) ==
+		BAKE_OK &&
+	    (rc = do_frames(&local, err)) == BAKE_OK)
+		rc = bake_frame_put_back(&copy, &frames, job->frames, err);
+	bake_frames_free(&frames);
+	bake_frame_copy_free(&copy);
+	return rc;
+}
+
 enum bake_status
 bake_mesh_frames(const struct bake_mesh *mesh, const struct bake_weld *weld,
     const struct bake_adjacency *adj, const struct bake_frame_params *params,
     struct bake_frames *frames, struct bake_err *err)
 {
-	struct bake_adjacency own = BAKE_ADJACENCY_INIT;
-	struct frame_job job = { mesh, weld, adj, params, frames, NULL };
+	struct frame_job job = { mesh, weld, adj, params, frames, NULL, NULL };
 	enum bake_status rc;
 
 	*frames = (struct bake_frames)BAKE_FRAMES_INIT;
-	if ((rc = check(mesh, weld, adj, params, err)) != BAKE_OK)
-		goto out;
-	if (adj == NULL) {
-		rc = bake_mesh_adjacency(mesh, weld, false, &own, err);
-		if (rc != BAKE_OK)
-			goto out;
-		job.adj = &own;
-	}
-	job.point_normal =
-	    bake_alloc(mesh->npositions, sizeof *job.point_normal, err);
-	if (job.point_normal == NULL) {
-		rc = BAKE_ENOMEM;
-		goto out;
-	}
-	if ((rc = number_frames(mesh, frames, err)) == BAKE_OK &&
-	    (rc = do_points(&job, err)) == BAKE_OK)
-		count(mesh, frames);
-out:
-	free(job.point_normal);
-	bake_adjacency_free(&own);
+	if ((rc = check(mesh, weld, adj, params, err)) == BAKE_OK)
+		rc = bake_frame_is_local(mesh) ? do_frames(&job, err)
+					       : do_copy(&job, err);
 	if (rc != BAKE_OK)
 		bake_frames_free(frames);
 	return rc;

@@ -74,8 +74,8 @@ enum {
 /*
  * The frame of one (position, UV): unit normal, unit tangent at right angles
  * to it, bitangent hand * normal x tangent; ps and pt the angle-weighted means
- * of dP/ds and dP/dt over its triangles, in mesh units per unit of u and v, not
- * made orthogonal.
+ * of dP/ds and dP/dt (bake_mesh_frames says of which triangles), in mesh units
+ * per unit of u and v, not made orthogonal.
  */
 struct bake_frame {
 	int v, vt;
@@ -109,22 +109,39 @@ struct bake_frames {
  * Normal, computed: N = normalize(sum of weight * n) over the triangles with an
  * area around the welded point, so that it is the same for all its UVs.
  * Normal, the file's: the mean of the normals of the corners that share (v,
- * vt), weighted by their angles. dP/ds, dP/dt of a triangle with edges e, f and
- * UV edges (e_s, e_t), (f_s, f_t): det = e_s f_t - f_s e_t, dP/ds = (e f_t - f
- * e_t) / det,  dP/dt = (f e_s - e f_s) / det Ps, Pt: their means by the angles
- * of the triangles around the welded point that have exactly the frame's UV
- * there, whatever index it has in the file, and whose UVs have an area (|det| >
- * 1e-12 times the product of the lengths of the two UV edges). Where triangles
- * of both handednesses meet in one UV, those of the kind with the larger sum of
- * angles are taken (unmirrored on a tie). T = normalize(Ps - N (N . Ps)); hand
- * = sign of (N x T) . Pt, which for flat charts is that of det. The file's
- * tangent: made orthogonal to N and unit length; hand is the file's.
+ * vt), weighted by their angles.
+ *
+ * dP/ds, dP/dt of a triangle with edges e, f and UV edges (e_s, e_t), (f_s,
+ * f_t), where |det| > 1e-12 times the product of the UV edges' lengths:
+ *     det = e_s f_t - f_s e_t
+ *     dP/ds = (e f_t - f e_t) / det,  dP/dt = (f e_s - e f_s) / det
+ * Translating UVs does not change them. So Ps and Pt, their means by the
+ * triangles' angles, are taken over all triangles around the welded point whose
+ * mapping is the frame's but for a translation; two corners there are of one
+ * mapping
+ *   - if they have exactly the same UV, whatever index it has in the file, or
+ *   - if their triangles share an edge that leaves the point, which these two
+ *     alone use, in opposite directions; both dets are of one sign; and the
+ *     edge is the same vector in both's UVs, but for a difference of at most
+ *     2e-6 max(1, the largest |u|, |v| at its ends), which is what floats and
+ *     files of six decimals leave, and at most 1/100 of its length,
+ * and as far as a chain of such pairs leads. Hence a seam between charts that
+ * go on in each other (u = 0 and 1 round a torus) leaves no trace: its two
+ * frames differ in vt only. Where the UVs are turned, scaled or mirrored across
+ * the seam, each side has a mean of its own. Where triangles of both
+ * handednesses meet in one UV, those of the kind with the larger sum of angles
+ * are taken (unmirrored on a tie).
+ *
+ * T = normalize(Ps - N (N . Ps)); hand = sign of (N x T) . Pt, which for flat
+ * charts is that of det. The file's tangent: made orthogonal to N and unit
+ * length; hand is the file's.
  *
  *   mesh    not modified
  *   weld    of the same mesh; NULL: every position is a point of its own
- *   adj     of the same mesh and weld, collapsed = false; NULL: it is built
- * here params  see above frames  out: BAKE_FRAMES_INIT before, the caller frees
- * it err     reason on failure; never NULL
+ *   adj     of the same mesh and weld, collapsed = false; NULL: built here
+ *   params  see above
+ *   frames  out: BAKE_FRAMES_INIT before, the caller frees it
+ *   err     reason on failure; never NULL
  *
  * BAKE_EDATA   the mesh has no triangle; BAKE_NORMALS_FILE and it has no
  *              normals; BAKE_TANGENTS_UV or _FILE and it has no UVs at all (nor

@@ -6,8 +6,6 @@
 
 #include "mesh_frame_priv.h"
 
-#define PI 3.14159265358979323846
-
 /* While frames are made: file normals or tangents that differ. */
 enum { MIXED_NORMALS = 1 << 16, MIXED_TANGENTS = 1 << 17 };
 
@@ -65,9 +63,9 @@ normalize(double x[3])
 	return true;
 }
 
-/* atan(t) for 0 <= t <= 1: the angle is halved twice, so that t <= tan(pi/16)
- * and 12 terms leave 0.199^24 / 25 < 1e-18 of it. Even and odd powers are
- * summed apart, which halves the wait. */
+/* atan(t) for 0 <= t <= 1: the angle is halved twice, so
+ * that t <= tan(pi/16) and 12 terms leave 0.199^24 / 25 < 1e-18 of it. Even and
+ * odd powers are summed apart, which halves the wait. */
 static inline double
 atan_unit(double t)
 {
@@ -94,7 +92,8 @@ atan_unit(double t)
 static double
 twice_atan(double y, double x)
 {
-	return y <= x ? 2.0 * atan_unit(y / x) : PI - 2.0 * atan_unit(x / y);
+	return y <= x ? 2.0 * atan_unit(y / x)
+		      : BAKE_FRAME_PI - 2.0 * atan_unit(x / y);
 }
 
 double
@@ -151,12 +150,12 @@ compare_items(const struct frame_item *a, const struct frame_item *b)
 	return c;
 }
 
-static int
-compare_uv(const struct frame_item *a, const struct frame_item *b)
+int
+bake_frame_compare_uv(const struct frame_item *a, const struct frame_item *b)
 {
 	if (a->has_uv != b->has_uv)
 		return a->has_uv - b->has_uv;
-	return compare_values(a->uv, b->uv, 2);
+	return a->has_uv ? compare_values(a->uv, b->uv, 2) : 0;
 }
 
 static int
@@ -166,18 +165,20 @@ by_value(const void *a, const void *b)
 	    *(struct frame_item *const *)a, *(struct frame_item *const *)b);
 }
 
+/* Groups apart, in no order of their own: no sum is over two of them. */
 static int
-by_uv(const void *a, const void *b)
+by_group(const void *a, const void *b)
 {
 	const struct frame_item *x = *(struct frame_item *const *)a;
 	const struct frame_item *y = *(struct frame_item *const *)b;
-	int c = compare_uv(x, y);
 
-	return c != 0 ? c : compare_items(x, y);
+	if (x->head != y->head)
+		return x->head < y->head ? -1 : 1;
+	return compare_items(x, y);
 }
 
-static void
-sort_items(struct frame_item **items, int n,
+void
+bake_frame_sort(struct frame_item **items, int n,
     int (*compare)(const void *, const void *))
 {
 	enum { FEW = 24 };
@@ -198,63 +199,10 @@ sort_items(struct frame_item **items, int n,
 
 /* -- one corner ---------------------------------------------------------- */
 
-static const double *
-position_of(const struct frame_job *job, const struct bake_corner *c)
+static int
+point_of(const struct frame_job *job, const struct bake_corner *c)
 {
-	int p = job->weld != NULL ? job->weld->first[c->v] : c->v;
-
-	return job->mesh->positions[p];
-}
-
-/* What n = e x f is multiplied by. */
-static double
-normal_weight(enum bake_normal_weight weight, const struct frame_item *it)
-{
-	switch (weight) {
-	case BAKE_WEIGHT_AREA:
-		return 1.0;
-	case BAKE_WEIGHT_SPHERE:
-		return 1.0 / (it->ee * it->ff);
-	default:
-		return it->angle / it->area;
-	}
-}
-
-/* Angles from the tangents of their halves; negative ones are those of the
- * angles that are left to pi. */
-static void
-to_angles(double *t, int n)
-{
-	for (int i = 0; i < n; i++) {
-		double angle = 2.0 * atan_unit(fabs(t[i]));
-
-		t[i] = t[i] < 0.0 ? PI - angle : angle;
-	}
-}
-
-/* dP/ds and dP/dt from the edges that leave the corner. */
-static void
-gradients(struct frame_item *it, const double e[3], const double f[3],
-    const double *uv, const double *uv_next, const double *uv_prev)
-{
-	double es = uv_next[0] - uv[0], et = uv_next[1] - uv[1];
-	double fs = uv_prev[0] - uv[0], ft = uv_prev[1] - uv[1];
-	double det = es * ft - fs * et;
-	double size = (es * es + et * et) * (fs * fs + ft * ft);
-	double scale = 1.0 / det;
-
-	if (!(det * det > FLAT * FLAT * size) || !isfinite(size))
-		return;
-	for (int k = 0; k < 3; k++) {
-		it->ps[k] = (e[k] * ft - f[k] * et) * scale;
-		it->pt[k] = (f[k] * es - e[k] * fs) * scale;
-	}
-	if (isfinite(dot(it->ps, it->ps) + dot(it->pt, it->pt))) {
-		it->side = det > 0.0 ? 1 : -1;
-		return;
-	}
-	memset(it->ps, 0, sizeof it->ps);
-	memset(it->pt, 0, sizeof it->pt);
+	return job->weld != NULL ? job->weld->first[c->v] : c->v;
 }
 
 /* What the file says of a corner. */
@@ -271,57 +219,60 @@ take_file_item(const struct bake_mesh *m, const struct bake_corner *c,
 			it->tangent = m->tangents[c->vn];
 	}
 	it->has_uv = c->vt >= 0;
-	if (it->has_uv) {
-		it->uv[0] = m->uvs[c->vt][0];
-		it->uv[1] = m->uvs[c->vt][1];
-	}
+	it->uv = it->has_uv ? m->uvs[c->vt] : NULL;
 }
 
-/* All of a corner but its angle. Returns the tangent of half the angle, for
- * to_angles. wn is not weighted yet. */
-static double
-make_item(const struct frame_job *job, int corner, struct frame_item *it)
+/* A corner: its item, but for what the kernel finds, and the kernel's input. */
+static void
+take_corner(const struct frame_job *job, int corner, struct frame_item *it,
+    struct frame_batch *b, int l)
 {
 	const struct bake_mesh *m = job->mesh;
 	int triangle = corner / 3, k0 = corner - 3 * triangle;
 	const struct bake_corner *t = m->triangles[triangle], *c = &t[k0];
 	const struct bake_corner *next = &t[k0 == 2 ? 0 : k0 + 1];
 	const struct bake_corner *prev = &t[k0 == 0 ? 2 : k0 - 1];
-	const double *p = position_of(job, c), *pn = position_of(job, next),
-		     *pp = position_of(job, prev);
-	double e[3], f[3], ef, longest, area2;
+	const double *p = m->positions[point_of(job, c)], *pn, *pp;
+	bool has_uvs = c->vt >= 0 && next->vt >= 0 && prev->vt >= 0;
 
-	it->angle = it->area = 0.0;
-	it->uv[0] = it->uv[1] = 0.0;
-	memset(it->ps, 0, sizeof it->ps);
-	memset(it->pt, 0, sizeof it->pt);
-	it->side = 0;
 	it->normal = it->tangent = NULL;
 	it->frame = &job->frames->frame[job->frames->frame_of[triangle][k0]];
 	take_file_item(m, c, it);
+	it->next = point_of(job, next);
+	it->prev = point_of(job, prev);
+	pn = m->positions[it->next];
+	pp = m->positions[it->prev];
 	for (int k = 0; k < 3; k++) {
-		e[k] = pn[k] - p[k];
-		f[k] = pp[k] - p[k];
+		b->e[k][l] = pn[k] - p[k];
+		b->f[k][l] = pp[k] - p[k];
 	}
-	cross(e, f, it->wn);
-	area2 = dot(it->wn, it->wn);
-	it->ee = dot(e, e);
-	it->ff = dot(f, f);
-	ef = dot(e, f);
-	longest = larger(it->ee + it->ff - 2.0 * ef, larger(it->ee, it->ff));
-	/* false for what is not finite, too */
-	if (!(area2 > FLAT * FLAT * longest * longest &&
-		area2 < (double)INFINITY)) {
-		memset(it->wn, 0, sizeof it->wn);
-		return 0.0;
+	it->uv_next = has_uvs ? m->uvs[next->vt] : NULL;
+	it->uv_prev = has_uvs ? m->uvs[prev->vt] : NULL;
+	for (int k = 0; k < 2; k++) {
+		b->uv_e[k][l] = has_uvs ? it->uv_next[k] - it->uv[k] : 0.0;
+		b->uv_f[k][l] = has_uvs ? it->uv_prev[k] - it->uv[k] : 0.0;
 	}
-	it->area = sqrt(area2);
-	if (it->has_uv && next->vt >= 0 && prev->vt >= 0)
-		gradients(it, e, f, it->uv, m->uvs[next->vt], m->uvs[prev->vt]);
-	/* tan(angle / 2) = sin / (1 + cos), of the acute angle; ee ff is no
-	 * smaller than area2, which has not underflowed */
-	return it->area / (ef < 0.0 ? ef - sqrt(it->ee * it->ff)
-				    : ef + sqrt(it->ee * it->ff));
+}
+
+/* n corners of the adjacency, n at most a batch. */
+static void
+take_corners(const struct frame_job *job, const int *corner, int n,
+    struct frame_item *items, struct frame_batch *b)
+{
+	for (int l = 0; l < n; l++)
+		take_corner(job, corner[l], &items[l], b, l);
+	job->corners(b, n);
+	for (int l = 0; l < n; l++) {
+		struct frame_item *it = &items[l];
+
+		for (int k = 0; k < 3; k++) {
+			it->wn[k] = b->wn[k][l];
+			it->ps[k] = b->ps[k][l];
+			it->pt[k] = b->pt[k][l];
+		}
+		it->angle = b->angle[l];
+		it->side = (int)b->side[l];
+	}
 }
 
 /* -- one point ----------------------------------------------------------- */
@@ -385,7 +336,7 @@ mix_file_vectors(struct frame_item *const *items, int n)
 		}
 }
 
-/* Items of one UV: their mean gradients, into all their frames. */
+/* Items of one group: their mean gradients, into all their frames. */
 static void
 take_gradients(struct frame_item *const *items, int n)
 {
@@ -420,12 +371,10 @@ take_gradients(struct frame_item *const *items, int n)
 	}
 }
 
-void
-bake_frame_point(
-    const struct frame_job *job, int p, const struct frame_bench *bench)
+static void
+do_point(const struct frame_job *job, int p, struct frame_item *items, int n,
+    const struct frame_bench *bench)
 {
-	const struct bake_adjacency *adj = job->adj;
-	int n = adj->start[p + 1] - adj->start[p];
 	struct frame_item **order = bench->order;
 	double *normal = job->point_normal[p];
 	bool one_uv = true;
@@ -433,24 +382,10 @@ bake_frame_point(
 
 	memset(normal, 0, sizeof job->point_normal[p]);
 	for (int i = 0; i < n; i++) {
-		order[i] = &bench->items[i];
-		bench->angle[i] =
-		    make_item(job, adj->corner[adj->start[p] + i], order[i]);
-		one_uv = one_uv && compare_uv(order[i], order[0]) == 0;
+		order[i] = &items[i];
+		one_uv = one_uv && bake_frame_compare_uv(&items[i], items) == 0;
 	}
-	to_angles(bench->angle, n);
-	for (int i = 0; i < n; i++) {
-		struct frame_item *it = order[i];
-		double w;
-
-		if (it->area == 0.0)
-			continue;
-		it->angle = bench->angle[i];
-		w = normal_weight(job->params->weight, it);
-		for (int k = 0; k < 3; k++)
-			it->wn[k] *= w;
-	}
-	sort_items(order, n, by_value);
+	bake_frame_sort(order, n, by_value);
 	for (int i = 0; i < n; i++)
 		add_scaled(normal, 1.0, order[i]->wn);
 	normalize(normal);
@@ -459,13 +394,43 @@ bake_frame_point(
 		mixed |= order[i]->frame->flags;
 	if (mixed & (MIXED_NORMALS | MIXED_TANGENTS))
 		mix_file_vectors(order, n);
-	if (!one_uv)
-		sort_items(order, n, by_uv);
+	if (one_uv) {
+		take_gradients(order, n);
+		return;
+	}
+	bake_frame_group(order, n, bench->spokes);
+	bake_frame_sort(order, n, by_group);
 	for (int i = 0, end; i < n; i = end) {
-		for (end = i + 1;
-		     end < n && compare_uv(order[i], order[end]) == 0; end++)
+		for (end = i + 1; end < n && order[i]->head == order[end]->head;
+		     end++)
 			;
 		take_gradients(order + i, end - i);
+	}
+}
+
+void
+bake_frame_points(const struct frame_job *job, int first, int end,
+    const struct frame_bench *bench)
+{
+	const int *start = job->adj->start;
+
+	while (first < end) {
+		int last = first + 1, n;
+
+		/* whole points, as many as there is room for */
+		while (last < end &&
+		       start[last + 1] - start[first] <= BAKE_FRAME_BATCH)
+			last++;
+		n = start[last] - start[first];
+		for (int i = 0; i < n; i += BAKE_FRAME_BATCH)
+			take_corners(job, job->adj->corner + start[first] + i,
+			    n - i < BAKE_FRAME_BATCH ? n - i : BAKE_FRAME_BATCH,
+			    bench->items + i, bench->batch);
+		for (int p = first; p < last; p++)
+			do_point(job, p,
+			    bench->items + (start[p] - start[first]),
+			    start[p + 1] - start[p], bench);
+		first = last;
 	}
 }
 
