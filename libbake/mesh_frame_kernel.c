@@ -1,97 +1,38 @@
 /* Angles and gradients of many corners, for one instruction set. */
 /* SPDX-License-Identifier: MIT */
-#include <math.h>
-#include <string.h>
-
 #include "isa.h"
 #include "mesh_frame_priv.h"
-
-#if defined(__AVX512F__)
-#include <immintrin.h>
-enum { LANES = 8 };
-#elif defined(__AVX2__)
-#include <immintrin.h>
-enum { LANES = 4 };
-#else /* any machine: two lanes, which compilers turn into SSE2 or NEON */
-enum { LANES = 2 };
-#endif
-
-typedef double vec __attribute__((vector_size(8 * LANES)));
-/* -1 or 0 in each lane */
-typedef long long mask __attribute__((vector_size(8 * LANES)));
-
-static inline vec
-root(vec v)
-{
-#if defined(__AVX512F__)
-	return (vec)_mm512_sqrt_pd((__m512d)v);
-#elif defined(__AVX2__)
-	return (vec)_mm256_sqrt_pd((__m256d)v);
-#else
-	return (vec){ sqrt(v[0]), sqrt(v[1]) };
-#endif
-}
-
-static inline vec
-load(const double *p)
-{
-	vec v;
-
-	memcpy(&v, p, sizeof v);
-	return v;
-}
-
-static inline void
-store(double *p, vec v)
-{
-	memcpy(p, &v, sizeof v);
-}
-
-static inline vec
-set(double x)
-{
-	vec v;
-
-	for (int i = 0; i < LANES; i++)
-		v[i] = x;
-	return v;
-}
+#include "vecd_priv.h"
 
 /* v where m, else 0 */
-static inline vec
-keep(mask m, vec v)
+static inline vec_d
+keep(vec_mask m, vec_d v)
 {
-	return (vec)((mask)v & m);
+	return (vec_d)((vec_mask)v & m);
 }
 
-static inline vec
-choose(mask m, vec a, vec b)
+static inline vec_d
+larger(vec_d a, vec_d b)
 {
-	return (vec)(((mask)a & m) | ((mask)b & ~m));
+	return vecd_choose((vec_mask)(a > b), a, b);
 }
 
-static inline vec
-larger(vec a, vec b)
-{
-	return choose((mask)(a > b), a, b);
-}
-
-static inline vec
-dot(const vec a[3], const vec b[3])
+static inline vec_d
+dot(const vec_d a[3], const vec_d b[3])
 {
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* atan(t) of each lane, 0 <= t <= 1, as bake_angle_rad takes it: there is why
  */
-static inline vec
-atan_unit(vec t)
+static inline vec_d
+atan_unit(vec_d t)
 {
-	const vec one = set(1.0);
-	vec x, xx, even, odd;
+	const vec_d one = vecd_set(1.0);
+	vec_d x, xx, even, odd;
 
-	t = t / (one + root(one + t * t));
-	t = t / (one + root(one + t * t));
+	t = t / (one + vecd_sqrt(one + t * t));
+	t = t / (one + vecd_sqrt(one + t * t));
 	x = t * t;
 	xx = x * x;
 	even = 1.0 / 21.0 + xx * (1.0 / 25.0);
@@ -109,40 +50,42 @@ atan_unit(vec t)
 
 /* dP/ds, dP/dt and the sign of det, where the corner has an area. */
 static inline void
-gradients(
-    struct frame_batch *b, int l, const vec e[3], const vec f[3], mask has_area)
+gradients(struct frame_batch *b, int l, const vec_d e[3], const vec_d f[3],
+    vec_mask has_area)
 {
-	vec es = load(&b->uv_e[0][l]), et = load(&b->uv_e[1][l]);
-	vec fs = load(&b->uv_f[0][l]), ft = load(&b->uv_f[1][l]);
-	vec det = es * ft - fs * et;
-	vec size = (es * es + et * et) * (fs * fs + ft * ft);
-	vec scale = 1.0 / det, ps[3], pt[3], sum;
-	mask good = (mask)(det * det > FLAT * FLAT * size) &
-		    (mask)(size < set((double)INFINITY)) & has_area;
+	vec_d es = vecd_load(&b->uv_e[0][l]), et = vecd_load(&b->uv_e[1][l]);
+	vec_d fs = vecd_load(&b->uv_f[0][l]), ft = vecd_load(&b->uv_f[1][l]);
+	vec_d det = es * ft - fs * et;
+	vec_d size = (es * es + et * et) * (fs * fs + ft * ft);
+	vec_d scale = 1.0 / det, ps[3], pt[3], sum;
+	vec_mask good = (vec_mask)(det * det > FLAT * FLAT * size) &
+			(vec_mask)(size < vecd_set((double)INFINITY)) &
+			has_area;
 
 	for (int k = 0; k < 3; k++) {
 		ps[k] = (e[k] * ft - f[k] * et) * scale;
 		pt[k] = (f[k] * es - e[k] * fs) * scale;
 	}
 	sum = dot(ps, ps) + dot(pt, pt);
-	good &= (mask)(sum < set((double)INFINITY));
+	good &= (vec_mask)(sum < vecd_set((double)INFINITY));
 	for (int k = 0; k < 3; k++) {
-		store(&b->ps[k][l], keep(good, ps[k]));
-		store(&b->pt[k][l], keep(good, pt[k]));
+		vecd_store(&b->ps[k][l], keep(good, ps[k]));
+		vecd_store(&b->pt[k][l], keep(good, pt[k]));
 	}
-	store(&b->side[l],
-	    keep(good, choose((mask)(det > set(0.0)), set(1.0), set(-1.0))));
+	vecd_store(
+	    &b->side[l], keep(good, vecd_choose((vec_mask)(det > vecd_set(0.0)),
+					vecd_set(1.0), vecd_set(-1.0))));
 }
 
 static inline void
 corners(struct frame_batch *b, int l)
 {
-	vec e[3], f[3], n[3], ee, ff, ef, area, area2, longest, t, angle, w;
-	mask good, obtuse;
+	vec_d e[3], f[3], n[3], ee, ff, ef, area, area2, longest, t, angle, w;
+	vec_mask good, obtuse;
 
 	for (int k = 0; k < 3; k++) {
-		e[k] = load(&b->e[k][l]);
-		f[k] = load(&b->f[k][l]);
+		e[k] = vecd_load(&b->e[k][l]);
+		f[k] = vecd_load(&b->f[k][l]);
 	}
 	n[0] = e[1] * f[2] - e[2] * f[1];
 	n[1] = e[2] * f[0] - e[0] * f[2];
@@ -153,30 +96,30 @@ corners(struct frame_batch *b, int l)
 	ef = dot(e, f);
 	longest = larger(ee + ff - 2.0 * ef, larger(ee, ff));
 	/* false for what is not finite, too */
-	good = (mask)(area2 > FLAT * FLAT * longest * longest) &
-	       (mask)(area2 < set((double)INFINITY));
-	area = root(area2);
+	good = (vec_mask)(area2 > FLAT * FLAT * longest * longest) &
+	       (vec_mask)(area2 < vecd_set((double)INFINITY));
+	area = vecd_sqrt(area2);
 	gradients(b, l, e, f, good);
 	/* tan(angle / 2) = sin / (1 + cos), of the acute angle; ee ff is no
 	 * smaller than area2, which has not underflowed */
-	t = root(ee * ff);
-	obtuse = (mask)(ef < set(0.0));
-	angle = 2.0 * atan_unit(area / (t + choose(obtuse, -ef, ef)));
-	angle = keep(good, choose(obtuse, BAKE_FRAME_PI - angle, angle));
+	t = vecd_sqrt(ee * ff);
+	obtuse = (vec_mask)(ef < vecd_set(0.0));
+	angle = 2.0 * atan_unit(area / (t + vecd_choose(obtuse, -ef, ef)));
+	angle = keep(good, vecd_choose(obtuse, BAKE_FRAME_PI - angle, angle));
 	if (b->weight == BAKE_WEIGHT_AREA)
-		w = set(1.0);
+		w = vecd_set(1.0);
 	else if (b->weight == BAKE_WEIGHT_SPHERE)
 		w = 1.0 / (ee * ff);
 	else
 		w = angle / area;
-	store(&b->angle[l], angle);
+	vecd_store(&b->angle[l], angle);
 	for (int k = 0; k < 3; k++)
-		store(&b->wn[k][l], keep(good, n[k] * w));
+		vecd_store(&b->wn[k][l], keep(good, n[k] * w));
 }
 
 void
 BAKE_KERNEL(bake_frame_corners)(struct frame_batch *b, int n)
 {
-	for (int l = 0; l < n; l += LANES)
+	for (int l = 0; l < n; l += VECD_LANES)
 		corners(b, l);
 }

@@ -2,117 +2,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "isa.h"
 #include "quadric_priv.h"
-
-#if defined(__AVX512F__)
-#include <immintrin.h>
-enum { LANES = 8 };
-typedef __m512d vec;
-
-static inline vec
-load(const double *p)
-{
-	return _mm512_load_pd(p);
-}
-
-static inline void
-store(double *p, vec v)
-{
-	_mm512_store_pd(p, v);
-}
-
-static inline vec
-set(double x)
-{
-	return _mm512_set1_pd(x);
-}
-
-static inline vec
-root(vec v)
-{
-	return _mm512_sqrt_pd(v);
-}
-
-static inline vec
-least(vec a, vec b)
-{
-	return _mm512_min_pd(a, b);
-}
-
-#elif defined(__AVX2__)
-#include <immintrin.h>
-enum { LANES = 4 };
-typedef __m256d vec;
-
-static inline vec
-load(const double *p)
-{
-	return _mm256_load_pd(p);
-}
-
-static inline void
-store(double *p, vec v)
-{
-	_mm256_store_pd(p, v);
-}
-
-static inline vec
-set(double x)
-{
-	return _mm256_set1_pd(x);
-}
-
-static inline vec
-root(vec v)
-{
-	return _mm256_sqrt_pd(v);
-}
-
-static inline vec
-least(vec a, vec b)
-{
-	return _mm256_min_pd(a, b);
-}
-
-#else /* any machine: two lanes, which compilers turn into SSE2 or NEON */
-#include <math.h>
-#include <string.h>
-enum { LANES = 2 };
-typedef double vec __attribute__((vector_size(16)));
-
-static inline vec
-load(const double *p)
-{
-	vec v;
-
-	memcpy(&v, p, sizeof v);
-	return v;
-}
-
-static inline void
-store(double *p, vec v)
-{
-	memcpy(p, &v, sizeof v);
-}
-
-static inline vec
-set(double x)
-{
-	return (vec){ x, x };
-}
-
-static inline vec
-root(vec v)
-{
-	return (vec){ sqrt(v[0]), sqrt(v[1]) };
-}
-
-/* as the machine's instruction: b where either is NaN */
-static inline vec
-least(vec a, vec b)
-{
-	return (vec){ a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1] };
-}
-#endif
+#include "vecd_priv.h"
 
 /* Monomials x^(d-j) y^j, of degree d from 1, one degree after the other. */
 #define MONOMIAL(d, j) ((d) * ((d) + 1) / 2 - 1 + (j))
@@ -129,40 +19,41 @@ static const int term_full[9] = { 0, 1, 2, 3, 4, 5, 6, 7, 8 };
 /* The sums that the normal equations are made of: of monomials up to twice the
  * order, and of z times the terms. */
 struct sums {
-	vec mono[NMONOMIALS];
-	vec rhs[9];
+	vec_d mono[NMONOMIALS];
+	vec_d rhs[9];
 };
 
 /* Neighbour k of the lanes from l on, turned into the frame. */
 static inline void
-turn(struct bake_quadric_batch *b, int k, int l, vec *x, vec *y, vec *z)
+turn(struct bake_quadric_batch *b, int k, int l, vec_d *x, vec_d *y, vec_d *z)
 {
 	size_t at = (size_t)k * BAKE_QUADRIC_LANES + (size_t)l;
-	vec dx = load(b->x + at), dy = load(b->y + at), dz = load(b->z + at);
+	vec_d dx = vecd_load(b->x + at), dy = vecd_load(b->y + at),
+	      dz = vecd_load(b->z + at);
 
-	*x = load(&b->frame[0][l]) * dx + load(&b->frame[1][l]) * dy +
-	     load(&b->frame[2][l]) * dz;
-	*y = load(&b->frame[3][l]) * dx + load(&b->frame[4][l]) * dy +
-	     load(&b->frame[5][l]) * dz;
-	*z = load(&b->frame[6][l]) * dx + load(&b->frame[7][l]) * dy +
-	     load(&b->frame[8][l]) * dz;
-	store(b->x + at, *x);
-	store(b->y + at, *y);
-	store(b->z + at, *z);
+	*x = vecd_load(&b->frame[0][l]) * dx + vecd_load(&b->frame[1][l]) * dy +
+	     vecd_load(&b->frame[2][l]) * dz;
+	*y = vecd_load(&b->frame[3][l]) * dx + vecd_load(&b->frame[4][l]) * dy +
+	     vecd_load(&b->frame[5][l]) * dz;
+	*z = vecd_load(&b->frame[6][l]) * dx + vecd_load(&b->frame[7][l]) * dy +
+	     vecd_load(&b->frame[8][l]) * dz;
+	vecd_store(b->x + at, *x);
+	vecd_store(b->y + at, *y);
+	vecd_store(b->z + at, *z);
 }
 
 /* The sums of order 2. They live in registers: no loop over them. */
 static void
 sum_quadratic(struct bake_quadric_batch *b, int l, struct sums *s)
 {
-	const vec zero = set(0);
-	vec xx = zero, xy = zero, yy = zero;
-	vec x3 = zero, x2y = zero, xy2 = zero, y3 = zero;
-	vec x4 = zero, x3y = zero, x2y2 = zero, xy3 = zero, y4 = zero;
-	vec zx = zero, zy = zero, zxx = zero, zxy = zero, zyy = zero;
+	const vec_d zero = vecd_set(0);
+	vec_d xx = zero, xy = zero, yy = zero;
+	vec_d x3 = zero, x2y = zero, xy2 = zero, y3 = zero;
+	vec_d x4 = zero, x3y = zero, x2y2 = zero, xy3 = zero, y4 = zero;
+	vec_d zx = zero, zy = zero, zxx = zero, zxy = zero, zyy = zero;
 
 	for (int k = 0; k < b->n; k++) {
-		vec x, y, z, p, q, r;
+		vec_d x, y, z, p, q, r;
 
 		turn(b, k, l, &x, &y, &z);
 		p = x * x;
@@ -209,17 +100,17 @@ sum_quadratic(struct bake_quadric_batch *b, int l, struct sums *s)
 static void
 sum_cubic(const struct bake_quadric_batch *b, int l, struct sums *s)
 {
-	const vec zero = set(0);
-	vec m50 = zero, m41 = zero, m32 = zero, m23 = zero, m14 = zero;
-	vec m05 = zero, m60 = zero, m51 = zero, m42 = zero, m33 = zero;
-	vec m24 = zero, m15 = zero, m06 = zero;
-	vec z30 = zero, z21 = zero, z12 = zero, z03 = zero;
+	const vec_d zero = vecd_set(0);
+	vec_d m50 = zero, m41 = zero, m32 = zero, m23 = zero, m14 = zero;
+	vec_d m05 = zero, m60 = zero, m51 = zero, m42 = zero, m33 = zero;
+	vec_d m24 = zero, m15 = zero, m06 = zero;
+	vec_d z30 = zero, z21 = zero, z12 = zero, z03 = zero;
 
 	for (int k = 0; k < b->n; k++) {
 		size_t at = (size_t)k * BAKE_QUADRIC_LANES + (size_t)l;
-		vec x = load(b->x + at), y = load(b->y + at);
-		vec z = load(b->z + at), xx = x * x, yy = y * y;
-		vec x3 = x * xx, x2y = y * xx, xy2 = x * yy, y3 = y * yy;
+		vec_d x = vecd_load(b->x + at), y = vecd_load(b->y + at);
+		vec_d z = vecd_load(b->z + at), xx = x * x, yy = y * y;
+		vec_d x3 = x * xx, x2y = y * xx, xy2 = x * yy, y3 = y * yy;
 
 		m50 += xx * x3;
 		m41 += xx * x2y;
@@ -263,19 +154,19 @@ sum_cubic(const struct bake_quadric_batch *b, int l, struct sums *s)
  * scaling of the columns: pivots relative to the diagonal, and the solution,
  * do not depend on it. Returns the smallest such ratio.
  */
-static inline __attribute__((always_inline)) vec
-solve(const struct sums *s, const int *term, int n, vec coef[9])
+static inline __attribute__((always_inline)) vec_d
+solve(const struct sums *s, const int *term, int n, vec_d coef[9])
 {
-	vec low[9][9], inverse[9], ratio = set(1);
+	vec_d low[9][9], inverse[9], ratio = vecd_set(1);
 
 	for (int j = 0; j < n; j++) {
 		int dj = degree[term[j]], pj = power[term[j]];
-		vec diagonal = s->mono[MONOMIAL(2 * dj, 2 * pj)];
-		vec pivot = diagonal;
+		vec_d diagonal = s->mono[MONOMIAL(2 * dj, 2 * pj)];
+		vec_d pivot = diagonal;
 
 		/* low[i][j] holds L D until its column is done */
 		for (int i = 0; i < j; i++) {
-			vec l = low[j][i] * inverse[i];
+			vec_d l = low[j][i] * inverse[i];
 
 			pivot = pivot - l * low[j][i];
 			coef[j] = i == 0 ? s->rhs[term[j]] - l * coef[0]
@@ -283,11 +174,11 @@ solve(const struct sums *s, const int *term, int n, vec coef[9])
 		}
 		if (j == 0)
 			coef[0] = s->rhs[term[0]];
-		ratio = least(pivot / diagonal, ratio);
-		inverse[j] = set(1) / pivot;
+		ratio = vecd_min(pivot / diagonal, ratio);
+		inverse[j] = vecd_set(1) / pivot;
 		for (int i = j + 1; i < n; i++) {
 			int di = degree[term[i]], pi = power[term[i]];
-			vec v = s->mono[MONOMIAL(di + dj, pi + pj)];
+			vec_d v = s->mono[MONOMIAL(di + dj, pi + pj)];
 
 			for (int k = 0; k < j; k++)
 				v = v - low[i][k] * (low[j][k] * inverse[k]);
@@ -295,7 +186,7 @@ solve(const struct sums *s, const int *term, int n, vec coef[9])
 		}
 	}
 	for (int j = n - 1; j >= 0; j--) {
-		vec v = coef[j];
+		vec_d v = coef[j];
 
 		for (int i = j + 1; i < n; i++)
 			v = v - low[i][j] * coef[i];
@@ -305,14 +196,15 @@ solve(const struct sums *s, const int *term, int n, vec coef[9])
 }
 
 static inline void
-write_residual(struct bake_quadric_batch *b, int l, const vec f[9], bool cubic)
+write_residual(
+    struct bake_quadric_batch *b, int l, const vec_d f[9], bool cubic)
 {
-	vec sum = set(0);
+	vec_d sum = vecd_set(0);
 
 	for (int k = 0; k < b->n; k++) {
 		size_t at = (size_t)k * BAKE_QUADRIC_LANES + (size_t)l;
-		vec x = load(b->x + at), y = load(b->y + at);
-		vec r = load(b->z + at);
+		vec_d x = vecd_load(b->x + at), y = vecd_load(b->y + at);
+		vec_d r = vecd_load(b->z + at);
 
 		r = r - x * (f[TERM_X] + x * f[TERM_XX] + y * f[TERM_XY]) -
 		    y * (f[TERM_Y] + y * f[TERM_YY]);
@@ -321,20 +213,20 @@ write_residual(struct bake_quadric_batch *b, int l, const vec f[9], bool cubic)
 			    y * y * (x * f[7] + y * f[8]);
 		sum += r * r;
 	}
-	store(&b->residual2[l], sum);
+	vecd_store(&b->residual2[l], sum);
 }
 
 /* From the coefficients in the frame to halved normal curvatures. */
 static inline void
-write_curvatures(struct bake_quadric_batch *b, int l, const vec f[9])
+write_curvatures(struct bake_quadric_batch *b, int l, const vec_d f[9])
 {
-	const vec one = set(1);
-	vec d = one + f[TERM_X] * f[TERM_X], e = one + f[TERM_Y] * f[TERM_Y];
-	vec g = one / root(d + f[TERM_Y] * f[TERM_Y]);
+	const vec_d one = vecd_set(1);
+	vec_d d = one + f[TERM_X] * f[TERM_X], e = one + f[TERM_Y] * f[TERM_Y];
+	vec_d g = one / vecd_sqrt(d + f[TERM_Y] * f[TERM_Y]);
 
-	store(&b->a[l], f[TERM_XX] * g / d);
-	store(&b->b[l], f[TERM_YY] * g / e);
-	store(&b->c[l], f[TERM_XY] * g / root(d * e));
+	vecd_store(&b->a[l], f[TERM_XX] * g / d);
+	vecd_store(&b->b[l], f[TERM_YY] * g / e);
+	vecd_store(&b->c[l], f[TERM_XY] * g / vecd_sqrt(d * e));
 }
 
 /* The lanes from l on. */
@@ -342,10 +234,11 @@ static inline void
 fit(struct bake_quadric_batch *b, int l)
 {
 	struct sums s;
-	vec f[9], ab[9], ratio;
+	vec_d f[9], ab[9], ratio;
 
 	sum_quadratic(b, l, &s);
-	store(&b->radius2[l], s.mono[MONOMIAL(2, 0)] + s.mono[MONOMIAL(2, 2)]);
+	vecd_store(
+	    &b->radius2[l], s.mono[MONOMIAL(2, 0)] + s.mono[MONOMIAL(2, 2)]);
 	if (b->nterms == 9) {
 		sum_cubic(b, l, &s);
 		ratio = solve(&s, term_full, 9, f);
@@ -353,11 +246,11 @@ fit(struct bake_quadric_batch *b, int l)
 		ratio = solve(&s, term_full, 5, f);
 	} else {
 		ratio = solve(&s, term_ab, 2, ab);
-		f[TERM_X] = f[TERM_Y] = f[TERM_XY] = set(0);
+		f[TERM_X] = f[TERM_Y] = f[TERM_XY] = vecd_set(0);
 		f[TERM_XX] = ab[0];
 		f[TERM_YY] = ab[1];
 	}
-	store(&b->pivot[l], ratio);
+	vecd_store(&b->pivot[l], ratio);
 	write_residual(b, l, f, b->nterms == 9);
 	write_curvatures(b, l, f);
 }
@@ -365,6 +258,6 @@ fit(struct bake_quadric_batch *b, int l)
 void
 BAKE_KERNEL(bake_quadric_solve)(struct bake_quadric_batch *batch)
 {
-	for (int l = 0; l < BAKE_QUADRIC_LANES; l += LANES)
+	for (int l = 0; l < BAKE_QUADRIC_LANES; l += VECD_LANES)
 		fit(batch, l);
 }
