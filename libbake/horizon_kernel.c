@@ -298,17 +298,23 @@ march_strip(struct march *m, const bool x_major)
 	}
 }
 
-void
-BAKE_KERNEL(bake_horizon_strip)(
-    const struct bake_horizon *hz, int x0, int y0, float *slopes)
+static inline struct march
+start_march(const struct bake_horizon *hz, int x0, int y0, float *slopes)
 {
-	struct march m = {
+	return (struct march){
 		.hz = hz,
 		.x0 = x0,
 		.y0 = y0,
 		.base = bake_image_row(&hz->heights, y0) + x0,
 		.slopes = slopes,
 	};
+}
+
+void
+BAKE_KERNEL(bake_horizon_strip)(
+    const struct bake_horizon *hz, int x0, int y0, float *slopes)
+{
+	struct march m = start_march(hz, x0, y0, slopes);
 
 	/* two clones, each with its branches decided */
 	if (hz->dir.x_major)
@@ -328,13 +334,7 @@ void
 BAKE_KERNEL(bake_horizon_near)(
     const struct bake_horizon *hz, int x0, int y0, float *slopes)
 {
-	struct march m = {
-		.hz = hz,
-		.x0 = x0,
-		.y0 = y0,
-		.base = bake_image_row(&hz->heights, y0) + x0,
-		.slopes = slopes,
-	};
+	struct march m = start_march(hz, x0, y0, slopes);
 
 	if (hz->dir.x_major)
 		march_near(&m, true);
