@@ -135,7 +135,10 @@ struct bake_ao_result {
  * Accuracy: exact is within 5e-6 of the formulas in real arithmetic up to
  * S W = 256. Fast is off by 2e-4 to 2e-3 on average, on relief, smooth hills
  * and white noise alike, which is no more than the error of 50 directions
- * themselves; preview by 7e-4 to 1e-2.
+ * themselves; preview by 7e-4 to 1e-2. Where lone spikes of one texel are all
+ * there is to see, both are 8e-2 too dark, a block being wider than a spike. A
+ * texel that exact leaves open may have a horizon just above 0 in fast, and the
+ * blur then replaces it: on rough tops single texels differ much.
  * Same bytes for every thread count and instruction set. On a torus a shifted
  * map gives the shifted result, bit for bit; fast and preview, whose blocks
  * stay where they are, do so for even shifts of an even size.
