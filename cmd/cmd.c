@@ -114,7 +114,8 @@ print_help(const struct cmd_tool *tool)
 		if (o->key < CMD_KEY_LONG)
 			snprintf(letter, sizeof letter, "-%c,", o->key);
 		snprintf(left, sizeof left, "%s --%s%s%s", letter, o->name,
-		    o->arg ? " " : "", o->arg ? o->arg : "");
+		    o->arg && o->arg[0] != '[' ? " " : "",
+		    o->arg ? o->arg : "");
 		printf("  %-30s %s\n", left, o->help);
 	}
 	printf("\nSee %s(1) and rm-formats(5).\n", tool->name);
@@ -326,7 +327,9 @@ make_getopt(
 		const struct cmd_option *o = &t->opt[i];
 
 		longs[i].name = o->name;
-		longs[i].has_arg = o->arg ? required_argument : no_argument;
+		longs[i].has_arg = o->arg == NULL     ? no_argument
+				   : o->arg[0] == '[' ? optional_argument
+						      : required_argument;
 		longs[i].flag = NULL;
 		longs[i].val = o->key;
 		if (o->key < CMD_KEY_LONG) {
@@ -366,7 +369,8 @@ output_is_clear(const struct cmd *cmd)
 
 	if (cmd->output != NULL && cmd->output_dir != NULL)
 		return cmd_usage_error(cmd, "-o and -O exclude each other");
-	if (!(cmd->tool->groups & CMD_OPTS_OUTPUT))
+	if (!(cmd->tool->groups & CMD_OPTS_OUTPUT) ||
+	    (cmd->tool->groups & CMD_OUTPUT_PREFIX))
 		return true; /* the tool knows what it writes */
 	by_name =
 	    cmd->output != NULL && bake_file_type_from_path(cmd->output, &type);

@@ -25,7 +25,8 @@ enum { CMD_KEY_OPERAND = 1, CMD_KEY_LONG = 256, CMD_KEY_TOOL = 512 };
 struct cmd_option {
 	int key;          /* its letter, or CMD_KEY_TOOL + n */
 	const char *name; /* long name, without the dashes */
-	const char *arg;  /* what its argument is called; NULL: a flag */
+	const char *arg;  /* what its argument is called; NULL: a flag;
+			   * "[=N]": may be left out (long names only) */
 	const char *help; /* one line */
 };
 
@@ -37,7 +38,9 @@ enum {
 	CMD_OPTS_OUTPUT_NORMAL = 8, /* --output-normal-y */
 	/* no options: set is called with CMD_KEY_OPERAND for each operand,
 	 * between the options before it and those after it */
-	CMD_IN_ORDER = 16
+	CMD_IN_ORDER = 16,
+	/* -o is what the names of several outputs begin with */
+	CMD_OUTPUT_PREFIX = 32
 };
 
 /* An output whose type nothing says; %s is its name. */

@@ -449,18 +449,23 @@ write_params(struct cmd *cmd, const char *path, enum bake_data_format deepest,
 	return true;
 }
 
-bool
-cmd_write_as(struct cmd *cmd, const struct bake_image *img, const char *path,
+/* An image, or pixels, to a file that appears whole. */
+static bool
+write_whole(struct cmd *cmd, const struct bake_image *img,
+    const struct bake_pixels *px, const char *path,
     const struct bake_write_params *p)
 {
 	struct bake_output out = BAKE_OUTPUT_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
 	size_t nclipped = 0;
+	enum bake_status rc = bake_output_open(&out, path, &err);
 
-	if (bake_output_open(&out, path, &err) != BAKE_OK ||
-	    bake_image_write(img, p, out.stream, path, &nclipped, &err) !=
-		BAKE_OK ||
-	    bake_output_commit(&out, &err) != BAKE_OK) {
+	if (rc == BAKE_OK)
+		rc = img != NULL ? bake_image_write(img, p, out.stream, path,
+				       &nclipped, &err)
+				 : bake_pixels_write(px, p, out.stream, path,
+				       &nclipped, &err);
+	if (rc != BAKE_OK || bake_output_commit(&out, &err) != BAKE_OK) {
 		bake_output_abort(&out);
 		cmd_error(cmd, "%s", err.msg);
 		return false;
@@ -473,6 +478,20 @@ cmd_write_as(struct cmd *cmd, const struct bake_image *img, const char *path,
 	cmd_flush_warnings(cmd);
 	cmd_list_add(&cmd->written, path);
 	return true;
+}
+
+bool
+cmd_write_as(struct cmd *cmd, const struct bake_image *img, const char *path,
+    const struct bake_write_params *p)
+{
+	return write_whole(cmd, img, NULL, path, p);
+}
+
+bool
+cmd_write_pixels(struct cmd *cmd, const struct bake_pixels *px,
+    const char *path, const struct bake_write_params *p)
+{
+	return write_whole(cmd, NULL, px, path, p);
 }
 
 bool

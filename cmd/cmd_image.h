@@ -104,5 +104,7 @@ bool cmd_write_attrs(struct cmd *cmd, const struct bake_image *img,
 /* The same with all that the options would say given. */
 bool cmd_write_as(struct cmd *cmd, const struct bake_image *img,
     const char *path, const struct bake_write_params *p);
+bool cmd_write_pixels(struct cmd *cmd, const struct bake_pixels *px,
+    const char *path, const struct bake_write_params *p);
 
 #endif

@@ -26,6 +26,12 @@ struct info_report {
 	struct bake_inspection found;
 	struct bake_contradictions bad;
 	struct bake_channel_range *range; /* [map.img.nchans] */
+	bool has_layers;                  /* a multilayer depth texture */
+	struct bake_layer_check layers;
+	const char *part; /* of an EXR file of several, or a deep one; NULL */
+	int number;       /* of the part, from 1 */
+	bool deep;
+	size_t nsamples, nempty, most; /* of a deep part */
 };
 #define INFO_REPORT_INIT                                                       \
 	{                                                                      \
@@ -44,6 +50,22 @@ bool info_look(
  * file's information had no room for it. */
 const char *info_layout(const struct info_report *r);
 const char *info_channel(const struct cmd_map *map, int channel);
+
+/* Look at the texels of a multilayer depth texture, whose channels rgba are,
+ * and add what contradicts; print what is known of a multilayer texture. */
+void info_layers_look(struct info_report *r, const int rgba[4]);
+void info_layers_text(const struct info_report *r);
+
+/* Add 'n texels have …' to what contradicts, where n is not 0. */
+void info_contradict(struct info_report *r, size_t n, const char *what);
+
+/* Open an EXR file that has several parts or is deep; false for any other file,
+ * with nothing said. Then fill the report of a part; false with the reason
+ * printed. The report's part belongs to exr. */
+struct bake_exr;
+bool info_exr_open(struct cmd *cmd, const char *path, struct bake_exr **exr);
+bool info_exr_look(struct cmd *cmd, const struct info_opts *o,
+    struct bake_exr *exr, int part, struct info_report *r);
 
 /* Print a report on standard output, as lines of text. */
 void info_text(const struct info_report *r);

@@ -160,6 +160,37 @@ declared(const struct bake_relief_meta *said)
 	return whole(&n);
 }
 
+/* Of a multilayer texture; what it does not say, or has not, is null. */
+static json_t *
+layers(const struct info_report *r)
+{
+	const struct bake_layer_meta *m = &r->said.layer;
+	const struct bake_layer_check *c = &r->layers;
+	struct node n = { json_object(), true }, list;
+
+	put(&n, "texture", json_integer(m->texture > 0 ? m->texture : 1));
+	put(&n, "textures", json_integer(m->texture > 0 ? m->ntextures : 1));
+	put(&n, "depth_zero", number_if(m->has_range, m->zero));
+	put(&n, "depth_one", number_if(m->has_range, m->one));
+	put(&n, "axis", m->axis[0] != '\0' ? text(m->axis) : json_null());
+	list = (struct node){ json_array(), true };
+	for (int i = 0; i < 4; i++)
+		append(&list, number(m->region[i]));
+	put(&n, "region", m->has_region ? whole(&list) : json_null());
+	if (!m->has_region)
+		json_decref(list.json);
+	put(&n, "mip_level", json_integer(m->mip_level));
+	put(&n, "tau", number_if(m->has_tau, m->tau));
+	put(&n, "plane", number_if(m->has_plane, m->plane));
+	list = (struct node){ json_array(), true };
+	for (int i = 0; i <= 4; i++)
+		append(&list, count(c->texels[i]));
+	put(&n, "texels", r->has_layers ? whole(&list) : json_null());
+	if (!r->has_layers)
+		json_decref(list.json);
+	return whole(&n);
+}
+
 static json_t *
 contradictions(const struct bake_contradictions *bad)
 {
@@ -224,6 +255,17 @@ info_json(struct cmd *cmd, const struct info_report *r)
 	put_evidence(&n, &r->found);
 	put(&n, "channel_ranges", channels(r));
 	put(&n, "declared", declared(&r->said));
+	put(&n, "layers",
+	    r->said.layer.nlayers > 0 ? json_integer(r->said.layer.nlayers)
+				      : json_null());
+	put(&n, "parts", json_integer(r->map.info.nsubimages));
+	put(&n, "part", r->part != NULL ? text(r->part) : json_null());
+	put(&n, "deep", json_boolean(r->deep));
+	put(&n, "samples", r->deep ? count(r->nsamples) : json_null());
+	put(&n, "layer",
+	    r->said.layer.nlayers > 0 || bake_layout_is_layered(r->found.layout)
+		? layers(r)
+		: json_null());
 	put(&n, "contradictions", contradictions(&r->bad));
 	if (r->pair) {
 		put(&n, "normal_file", text(r->normal.path));

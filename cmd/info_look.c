@@ -246,6 +246,7 @@ bool
 info_look(struct cmd *cmd, const struct info_opts *o, struct info_report *r)
 {
 	struct bake_err err = BAKE_ERR_INIT;
+	int rgba[4];
 
 	r->said = declared(cmd, o, r);
 	if (!find_relief(cmd, o, &r->map, &r->found.relief_channel))
@@ -255,5 +256,7 @@ info_look(struct cmd *cmd, const struct info_opts *o, struct info_report *r)
 		return false;
 	}
 	bake_contradictions_find(&r->bad, &r->found, &r->said);
+	find_rgba(&r->map.info, rgba);
+	info_layers_look(r, rgba);
 	return true;
 }

@@ -121,19 +121,30 @@ info_text(const struct info_report *r)
 		printf("%s + %s\n", r->normal.path, r->map.path);
 	else
 		printf("%s\n", r->file);
-	printf("  size        %dx%d, %d %s, %s %s\n", info->width, info->height,
-	    info->nchans, info->nchans == 1 ? "channel" : "channels",
-	    info->container, bake_data_format_name(info->data_format));
+	printf("  size        %dx%d, %d %s, %s %s%s\n", info->width,
+	    info->height, info->nchans,
+	    info->nchans == 1 ? "channel" : "channels", info->container,
+	    r->deep ? "deep " : "", bake_data_format_name(info->data_format));
 	printf("  layout      %s%s\n", info_layout(r),
 	    f->guessed ? " (by its texels)" : "");
+	if (r->part != NULL && info->nsubimages > 1)
+		printf("  part        %s, %d of %d\n", r->part, r->number,
+		    info->nsubimages);
 	channels(r);
+	info_layers_text(r);
+	if (r->deep)
+		printf("  samples     %zu; %zu texels have none, the deepest "
+		       "%zu\n",
+		    r->nsamples, r->nempty, r->most);
 	if (f->has_normals)
 		normals(r);
 	ao_scale(&r->said);
 	keep_scale(&r->said);
-	printf("  seams       u %.2f, v %.2f; to the largest step inside "
-	       "%.2f, %.2f\n",
-	    f->seams.u, f->seams.v, f->seams.u_peak, f->seams.v_peak);
+	if (!r->deep)
+		printf(
+		    "  seams       u %.2f, v %.2f; to the largest step inside "
+		    "%.2f, %.2f\n",
+		    f->seams.u, f->seams.v, f->seams.u_peak, f->seams.v_peak);
 	for (int i = 0; i < r->bad.n; i++)
 		printf("  contradicts %s\n", r->bad.text[i]);
 }

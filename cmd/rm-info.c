@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "info.h"
 
+#include "io_exr.h"
+
 enum {
 	KEY_CHANNEL = CMD_KEY_TOOL,
 	KEY_CHECK,
@@ -80,7 +82,8 @@ print_report(
 		info_text(r);
 	}
 	for (int i = 0; o->check && !o->json && i < r->bad.n; i++)
-		printf("%s: %s\n", r->file, r->bad.text[i]);
+		printf("%s%s%s: %s\n", r->file, r->part != NULL ? ", " : "",
+		    r->part != NULL ? r->part : "", r->bad.text[i]);
 	return !o->check || r->bad.n == 0;
 }
 
@@ -100,6 +103,26 @@ info_file(struct cmd *cmd, const struct info_opts *o, const char *path)
 	return ok;
 }
 
+/* Each part of an EXR file that has several, or is deep. */
+static bool
+info_parts(struct cmd *cmd, const struct info_opts *o, const char *path,
+    struct bake_exr *exr)
+{
+	bool ok = true;
+
+	for (int i = 0; i < bake_exr_nparts(exr); i++) {
+		struct info_report r = INFO_REPORT_INIT;
+
+		r.file = path;
+		if (!info_exr_look(cmd, o, exr, i, &r) ||
+		    !print_report(cmd, o, &r))
+			ok = false;
+		info_report_free(&r);
+	}
+	bake_exr_close(exr);
+	return ok;
+}
+
 /* Every file is looked at, whatever the others are; what is said of one comes
  * before what is said of the next, on either stream. */
 static bool
@@ -108,7 +131,12 @@ info_files(struct cmd *cmd, const struct info_opts *o)
 	bool ok = true;
 
 	for (int i = 0; i < cmd->operands.n; i++) {
-		if (!info_file(cmd, o, cmd->operands.item[i]))
+		const char *path = cmd->operands.item[i];
+		struct bake_exr *exr;
+
+		if (!(info_exr_open(cmd, path, &exr)
+			    ? info_parts(cmd, o, path, exr)
+			    : info_file(cmd, o, path)))
 			ok = false;
 		fflush(stdout); /* cmd_finish sees a failure */
 		cmd_flush_warnings(cmd);

@@ -3,6 +3,7 @@
 #ifndef BAKE_H
 #define BAKE_H
 
+#include "abuffer.h"
 #include "ao.h"
 #include "ao_rescale.h"
 #include "attrs.h"
@@ -18,13 +19,19 @@
 #include "image.h"
 #include "inspect.h"
 #include "integrate.h"
+#include "io_exr.h"
 #include "io_image.h"
+#include "layer_codes.h"
+#include "layer_maps.h"
+#include "layer_surface.h"
 #include "mem.h"
 #include "mesh.h"
 #include "mesh_frame.h"
+#include "multilayer.h"
 #include "normal.h"
 #include "output.h"
 #include "parallel.h"
+#include "pixels.h"
 #include "quadric.h"
 #include "quadric_write.h"
 #include "relief.h"
@@ -32,5 +39,7 @@
 #include "resample.h"
 #include "roughen.h"
 #include "roughen_picture.h"
+#include "texture_sample.h"
+#include "view.h"
 
 #endif

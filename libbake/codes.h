@@ -41,6 +41,23 @@ BAKE_API void bake_codes_from_u16(float *value, const uint16_t *code, size_t n);
 BAKE_API size_t bake_codes_to_u8(uint8_t *code, const float *value, size_t n);
 BAKE_API size_t bake_codes_to_u16(uint16_t *code, const float *value, size_t n);
 
+/*
+ * Half bits (IEEE 754 binary16) to values: exact, subnormal numbers,
+ * infinities and NaN too. Reentrant.
+ */
+BAKE_API void bake_codes_from_half(
+    float *value, const uint16_t *bits, size_t n);
+
+/*
+ * Values to half bits: the nearest half, of two equally near ones that with an
+ * even last bit. A finite value that would round to infinity (|value| >= 65520)
+ * is clipped to the largest half, 65504, with its sign; infinities stay, and
+ * NaN stays NaN (quiet). Returns how many values were clipped. Reentrant, in
+ * the default rounding mode.
+ */
+BAKE_API size_t bake_codes_to_half(
+    uint16_t *bits, const float *value, size_t n);
+
 #ifdef __cplusplus
 }
 #endif

@@ -10,6 +10,7 @@
 #include "attrs.h"
 #include "codes.h"
 #include "image.h"
+#include "pixels.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -144,6 +145,16 @@ BAKE_API const char *bake_file_type_name(enum bake_file_type type);
  * BAKE_EIO     writing failed; what the stream holds is of no use
  */
 BAKE_API enum bake_status bake_image_write(const struct bake_image *img,
+    const struct bake_write_params *params, FILE *stream, const char *name,
+    size_t *nclipped, struct bake_err *err);
+
+/*
+ * The same of pixels in a data format of their own: the bytes are those of
+ * bake_image_write of the same values. Where px->format is params->data_format
+ * values go through as they are, bit for bit (the NaNs of half and float too);
+ * otherwise by way of floats. Never a copy of the whole picture.
+ */
+BAKE_API enum bake_status bake_pixels_write(const struct bake_pixels *px,
     const struct bake_write_params *params, FILE *stream, const char *name,
     size_t *nclipped, struct bake_err *err);
 

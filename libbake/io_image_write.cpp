@@ -127,25 +127,31 @@ put_attrs(ImageSpec &spec, const struct bake_write_params *params)
 /* libpng's PNG_FILTER_PAETH */
 const int png_filter_paeth = 0x80;
 
+/* What is written: an image of floats, or pixels in a format of their own. */
+struct picture {
+	int width, height, nchans;
+	const struct bake_image *img; /* one of the two */
+	const struct bake_pixels *px;
+};
+
 ImageSpec
-make_spec(const struct bake_image *img, const struct bake_write_params *params)
+make_spec(const struct picture &pic, const struct bake_write_params *params)
 {
 	static const char *const usual[4][4] = { { "Y" }, { "Y", "A" },
 		{ "R", "G", "B" }, { "R", "G", "B", "A" } };
 	ImageSpec spec(
-	    img->width, img->height, img->nchans, type_of(params->data_format));
+	    pic.width, pic.height, pic.nchans, type_of(params->data_format));
 
-	for (int c = 0; c < img->nchans; c++) {
+	for (int c = 0; c < pic.nchans; c++) {
 		if (params->names != NULL)
 			spec.channelnames[(size_t)c] = params->names[c];
-		else if (img->nchans <= 4)
-			spec.channelnames[(size_t)c] =
-			    usual[img->nchans - 1][c];
+		else if (pic.nchans <= 4)
+			spec.channelnames[(size_t)c] = usual[pic.nchans - 1][c];
 		else /* numbered so that they sort in order */
 			spec.channelnames[(size_t)c] =
 			    OIIO::Strutil::fmt::format("c{:06d}", c);
 	}
-	spec.alpha_channel = img->nchans == 4 ? 3 : img->nchans == 2 ? 1 : -1;
+	spec.alpha_channel = pic.nchans == 4 ? 3 : pic.nchans == 2 ? 1 : -1;
 	/* EXR knows associated alpha only; to set this would make OpenImageIO
 	 * multiply. Everywhere else the absence would make it divide. */
 	if (params->type != BAKE_FILE_EXR)
@@ -174,33 +180,64 @@ band_to_codes(std::vector<unsigned char> &band, const float *in, size_t n,
 	return bake_codes_to_u16((uint16_t *)band.data(), in, n);
 }
 
+/* Rows y .. end - 1 as floats. */
+void
+band_of_floats(
+    std::vector<float> &rows, const struct picture &pic, int y, int end)
+{
+	size_t row = (size_t)pic.width * (size_t)pic.nchans;
+
+	rows.resize(row * (size_t)(end - y));
+	for (int i = y; i < end; i++) {
+		float *to = &rows[row * (size_t)(i - y)];
+
+		if (pic.px != NULL)
+			bake_pixels_get(pic.px, 0, i, pic.width, to);
+		else
+			memcpy(to, bake_image_row(pic.img, i),
+			    row * sizeof(float));
+	}
+}
+
+/* A row of pixels as they are. */
+const void *
+pixel_row(const struct bake_pixels *px, int y)
+{
+	size_t row =
+	    (size_t)px->width * (size_t)px->nchans * type_of(px->format).size();
+
+	return (const unsigned char *)px->data + row * (size_t)y;
+}
+
 bool
-write_all(ImageOutput *out, const struct bake_image *img,
+write_all(ImageOutput *out, const struct picture &pic,
     enum bake_data_format format, size_t *nclipped)
 {
-	size_t row = (size_t)img->width * (size_t)img->nchans;
+	size_t row = (size_t)pic.width * (size_t)pic.nchans;
 	bool codes = bake_data_format_max(format) != 0;
+	bool untouched = pic.px != NULL && pic.px->format == format;
 	std::vector<unsigned char> band;
 	std::vector<float> rows;
 
-	if (codes)
+	if (codes && !untouched)
 		band.resize(
 		    row * (size_t)BAKE_IO_BAND_ROWS * type_of(format).size());
-	for (int y = 0; y < img->height; y += BAKE_IO_BAND_ROWS) {
-		int end = std::min(y + BAKE_IO_BAND_ROWS, img->height);
+	for (int y = 0; y < pic.height; y += BAKE_IO_BAND_ROWS) {
+		int end = std::min(y + BAKE_IO_BAND_ROWS, pic.height);
 		const void *data;
-		TypeDesc type = TypeDesc(TypeDesc::FLOAT);
+		TypeDesc type =
+		    codes || untouched ? type_of(format) : TypeDesc::FLOAT;
 
-		rows.resize(row * (size_t)(end - y));
-		for (int i = y; i < end; i++)
-			memcpy(&rows[row * (size_t)(i - y)],
-			    bake_image_row(img, i), row * sizeof(float));
-		data = rows.data();
-		if (codes) {
+		if (untouched) {
+			data = pixel_row(pic.px, y);
+		} else {
+			band_of_floats(rows, pic, y, end);
+			data = rows.data();
+		}
+		if (codes && !untouched) {
 			*nclipped += band_to_codes(
 			    band, rows.data(), rows.size(), format);
 			data = band.data();
-			type = type_of(format);
 		}
 		if (!out->write_scanlines(y, end, 0, type, data))
 			return false;
@@ -209,15 +246,14 @@ write_all(ImageOutput *out, const struct bake_image *img,
 }
 
 enum bake_status
-write_stream(const struct bake_image *img,
-    const struct bake_write_params *params, FILE *stream, const char *name,
-    size_t *nclipped, struct bake_err *err)
+write_stream(const struct picture &pic, const struct bake_write_params *params,
+    FILE *stream, const char *name, size_t *nclipped, struct bake_err *err)
 {
 	StreamProxy proxy(stream);
 	IOProxy *pointer = &proxy;
 	std::unique_ptr<ImageOutput> out =
 	    ImageOutput::create(plugin_of(params->type));
-	ImageSpec spec = make_spec(img, params);
+	ImageSpec spec = make_spec(pic, params);
 	bool done;
 
 	if (!out)
@@ -226,7 +262,7 @@ write_stream(const struct bake_image *img,
 		    plugin_of(params->type));
 	spec.attribute("oiio:ioproxy", TypeDesc::PTR, &pointer);
 	done = out->open(name, spec) &&
-	       write_all(out.get(), img, params->data_format, nclipped);
+	       write_all(out.get(), pic, params->data_format, nclipped);
 	done = out->close() && done;
 	errno = 0;
 	if ((fflush(stream) != 0 || ferror(stream)) && proxy.failure == 0)
@@ -240,12 +276,9 @@ write_stream(const struct bake_image *img,
 	return BAKE_OK;
 }
 
-} // namespace
-
 enum bake_status
-bake_image_write(const struct bake_image *img,
-    const struct bake_write_params *params, FILE *stream, const char *name,
-    size_t *nclipped, struct bake_err *err)
+write_picture(const struct picture &pic, const struct bake_write_params *params,
+    FILE *stream, const char *name, size_t *nclipped, struct bake_err *err)
 {
 	size_t clipped = 0;
 	enum bake_status rc;
@@ -254,17 +287,41 @@ bake_image_write(const struct bake_image *img,
 		return bake_fail(err, BAKE_EINVAL, "%s: %s holds no %s values",
 		    name, bake_file_type_name(params->type),
 		    bake_data_format_name(params->data_format));
-	if (img->nchans > 4 && params->type != BAKE_FILE_EXR &&
+	if (pic.nchans > 4 && params->type != BAKE_FILE_EXR &&
 	    params->type != BAKE_FILE_TIFF)
 		return bake_fail(err, BAKE_EINVAL,
 		    "%s: %s holds 4 channels, not %d", name,
-		    bake_file_type_name(params->type), img->nchans);
+		    bake_file_type_name(params->type), pic.nchans);
 	try {
-		rc = write_stream(img, params, stream, name, &clipped, err);
+		rc = write_stream(pic, params, stream, name, &clipped, err);
 	} catch (...) {
 		rc = bake_io_fail_exception(err, name);
 	}
 	if (nclipped != NULL)
 		*nclipped = clipped;
 	return rc;
+}
+
+} // namespace
+
+enum bake_status
+bake_image_write(const struct bake_image *img,
+    const struct bake_write_params *params, FILE *stream, const char *name,
+    size_t *nclipped, struct bake_err *err)
+{
+	const struct picture pic = { img->width, img->height, img->nchans, img,
+		NULL };
+
+	return write_picture(pic, params, stream, name, nclipped, err);
+}
+
+enum bake_status
+bake_pixels_write(const struct bake_pixels *px,
+    const struct bake_write_params *params, FILE *stream, const char *name,
+    size_t *nclipped, struct bake_err *err)
+{
+	const struct picture pic = { px->width, px->height, px->nchans, NULL,
+		px };
+
+	return write_picture(pic, params, stream, name, nclipped, err);
 }

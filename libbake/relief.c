@@ -7,9 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "relief_priv.h"
+
 static const char *const layout_names[] = { "unknown", "relief",
 	"normal-relief", "normal", "depth", "ao", "orm", "mask", "bent",
-	"horizons", "roughen-lut" };
+	"horizons", "roughen-lut", "layer-depth", "layer-nx", "layer-ny",
+	"layer-color", "layer-deep" };
 static const char *const wrap_names[] = { "tile", "clamp-u", "clamp-v",
 	"clamp" };
 
@@ -49,6 +52,7 @@ bake_relief_meta_to_attrs(
 {
 	if (meta->layout != BAKE_LAYOUT_UNKNOWN)
 		bake_attrs_set(attrs, "Layout", layout_names[meta->layout]);
+	bake_layer_meta_to_attrs(&meta->layer, attrs);
 	if (meta->polarity != BAKE_POLARITY_UNSURE)
 		bake_attrs_set(
 		    attrs, "Polarity", bake_polarity_name(meta->polarity));
@@ -171,6 +175,7 @@ bake_relief_meta_from_attrs(
 	}
 	get_list(bake_attrs_get(attrs, "KeepScale"), meta->keep_scale,
 	    BAKE_KEEP_SCALES, &meta->nkeep);
+	bake_layer_meta_from_attrs(&meta->layer, attrs);
 }
 
 void

@@ -199,6 +199,115 @@ formats_have_names_and_maxima(void)
 	}
 }
 
+/* A finite half by the format's definition. */
+static double
+half_exact(int bits)
+{
+	const int e = bits >> 10 & 31, m = bits & 1023;
+	const double size = e == 0 ? ldexp(m, -24) : ldexp(1024 + m, e - 25);
+
+	return bits & 0x8000 ? -size : size;
+}
+
+static int
+to_half(float value, size_t *nclipped)
+{
+	uint16_t bits;
+
+	*nclipped = bake_codes_to_half(&bits, &value, 1);
+	return bits;
+}
+
+static void
+every_half_is_exact_and_survives(void)
+{
+	for (int h = 0; h < 65536; h++) {
+		const uint16_t bits = (uint16_t)h;
+		size_t nclipped;
+		float v;
+
+		bake_codes_from_half(&v, &bits, 1);
+		if ((h & 0x7c00) != 0x7c00) {
+			CHECK((double)v == half_exact(h));
+			CHECK(!signbit(v) == !(h & 0x8000));
+			CHECK(to_half(v, &nclipped) == h);
+		} else if ((h & 0x3ff) == 0) {
+			CHECK(isinf(v) && !signbit(v) == !(h & 0x8000));
+			CHECK(to_half(v, &nclipped) == h);
+		} else {
+			CHECK(isnan(v));
+			CHECK((to_half(v, &nclipped) & 0x7fff) > 0x7c00);
+		}
+		CHECK(nclipped == 0);
+	}
+}
+
+/* The middle of two halfs has one bit more than they and is exact. */
+static void
+halfs_round_to_nearest_even(void)
+{
+	size_t nclipped;
+
+	for (int h = 0; h < 0x7bff; h++)
+		for (int sign = 0; sign < 2; sign++) {
+			const int s = sign << 15;
+			const float tie = (float)((half_exact(h | s) +
+						      half_exact((h + 1) | s)) /
+						  2);
+			const float far = sign ? -1e6f : 1e6f;
+
+			CHECK(to_half(tie, &nclipped) == (h + h % 2) + s);
+			CHECK(to_half(nextafterf(tie, 0), &nclipped) == h + s);
+			CHECK(to_half(nextafterf(tie, far), &nclipped) ==
+			      h + 1 + s);
+		}
+}
+
+static void
+large_halfs_are_clipped_and_counted(void)
+{
+	static const struct {
+		float value;
+		int bits, nclipped;
+	} want[] = { { 65504, 0x7bff, 0 }, { 65519.996f, 0x7bff, 0 },
+		{ 65520, 0x7bff, 1 }, { -65520, 0xfbff, 1 },
+		{ 3e38f, 0x7bff, 1 }, { INFINITY, 0x7c00, 0 },
+		{ -INFINITY, 0xfc00, 0 }, { -0.0f, 0x8000, 0 },
+		{ 0x1p-25f, 0, 0 }, { 0x1.000002p-25f, 1, 0 },
+		{ 1e-45f, 0, 0 } };
+
+	for (size_t i = 0; i < sizeof want / sizeof *want; i++) {
+		size_t nclipped;
+
+		CHECK(to_half(want[i].value, &nclipped) == want[i].bits);
+		CHECK(nclipped == (size_t)want[i].nclipped);
+	}
+}
+
+/* Oracle: v in steps of its binade's halfs, a power of two, by rint. */
+static void
+any_float_has_its_half(void)
+{
+	for (uint32_t i = 0; i < 300000; i++) {
+		uint32_t bits = hash(i) ^ hash(i + 0x2545f491) << 11;
+		int e;
+		size_t nclipped;
+		double step, want;
+		float v;
+
+		/* exponents of halfs, and some beyond */
+		bits = (bits & 0x807fffff) | (100 + bits % 45) << 23;
+		memcpy(&v, &bits, sizeof v);
+		frexp((double)v, &e);
+		step = ldexp(1, (e < -13 ? -13 : e) - 11);
+		want = rint((double)v / step) * step;
+		if (fabs(want) > 65504)
+			want = copysign(65504, want);
+		CHECK(half_exact(to_half(v, &nclipped)) == want);
+		CHECK(nclipped == (fabs((double)v) >= 65520));
+	}
+}
+
 int
 main(int argc, char *argv[])
 {
@@ -209,6 +318,10 @@ main(int argc, char *argv[])
 		CASE(any_float_has_its_code),
 		CASE(clipping_is_counted),
 		CASE(formats_have_names_and_maxima),
+		CASE(every_half_is_exact_and_survives),
+		CASE(halfs_round_to_nearest_even),
+		CASE(large_halfs_are_clipped_and_counted),
+		CASE(any_float_has_its_half),
 	};
 
 	return check_main(argc, argv, cases, sizeof cases / sizeof *cases);

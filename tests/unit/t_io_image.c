@@ -3,6 +3,8 @@
 #include <limits.h>
 #include <unistd.h>
 
+#include "pixels.h"
+#include "relief.h"
 #include "test_files.h"
 
 static void
@@ -298,6 +300,177 @@ metadata_are_never_cut(void)
 	}
 }
 
+/* What a multilayer texture says, with all coordinates long: a TGA's comment
+ * has room for it. */
+static void
+layer_metadata_come_back(void)
+{
+	static const char *const must[] = { "Layout", "Layers", "Texture",
+		"DepthZero", "DepthOne", "Axis", "Region", "MipLevel", "Tau",
+		"NormalY", "DepthScale" };
+
+	for (int kind = 0; kind < NKINDS; kind++) {
+		struct bake_write_params params = params_of(kind);
+		struct bake_relief_meta meta = BAKE_RELIEF_META_INIT;
+		struct bake_image img = any_image(4, 4, 4, kinds[kind].format);
+		struct bake_image back;
+		struct bake_image_info info;
+		struct bake_err err = BAKE_ERR_INIT;
+		struct bytes b;
+
+		meta.layout = BAKE_LAYOUT_LAYER_DEPTH;
+		meta.normal_y = BAKE_NORMAL_Y_DOWN;
+		meta.depth_scale = 0.12345678;
+		meta.layer = (struct bake_layer_meta){ .nlayers = 64,
+			.texture = 16,
+			.ntextures = 16,
+			.axis = "-x",
+			.has_region = true,
+			.region = { -1234.56789, -2345.67891, 3456.78912,
+			    4567.89123 },
+			.mip_level = 12,
+			.has_tau = true,
+			.tau = 0.43219876 };
+		bake_layer_meta_set_range(
+		    &meta.layer, 1234.56789012, -2345.67890123);
+		bake_relief_meta_to_attrs(&meta, &params.attrs);
+		b = encode(&img, &params);
+		CHECK_OK(decode(&b, kinds[kind].name, &info, &back, &err), err);
+		for (size_t i = 0; i < sizeof must / sizeof *must; i++) {
+			const char *got = bake_attrs_get(&info.attrs, must[i]);
+
+			if (got == NULL)
+				printf("%s: no %s\n", kinds[kind].container,
+				    must[i]);
+			CHECK(got != NULL &&
+			      strcmp(got,
+				  bake_attrs_get(&params.attrs, must[i])) == 0);
+		}
+		bake_image_free(&img);
+		bake_image_free(&back);
+		free(b.p);
+	}
+}
+
+static struct bytes
+encode_pixels(
+    const struct bake_pixels *px, const struct bake_write_params *params)
+{
+	FILE *f = tmpfile();
+	struct bake_err err = BAKE_ERR_INIT;
+	struct bytes b = { NULL, 0 };
+	size_t nclipped = 99;
+
+	CHECK_OK(bake_pixels_write(px, params, f, "out", &nclipped, &err), err);
+	CHECK(nclipped == 0);
+	fseek(f, 0, SEEK_END);
+	b.n = (size_t)ftell(f);
+	b.p = malloc(b.n + 1);
+	rewind(f);
+	if (fread(b.p, 1, b.n, f) != b.n)
+		abort();
+	fclose(f);
+	return b;
+}
+
+/* Pixels of every format into every kind of file: the bytes are those of the
+ * same values as an image. 130 rows are more than two bands. */
+static void
+pixels_are_written_as_images_are(void)
+{
+	for (int k = 0; k < NKINDS * 4 * 4; k++) {
+		int kind = k / 16, nc = k % 4 + 1;
+		enum bake_data_format format =
+		    (enum bake_data_format)(k / 4 % 4);
+		struct bake_write_params params = params_of(kind);
+		struct bake_image img = image(9, 130, nc);
+		struct bake_pixels px = BAKE_PIXELS_INIT;
+		struct bake_err err = BAKE_ERR_INIT;
+		struct bytes a, b;
+
+		CHECK_OK(bake_pixels_alloc(&px, 9, 130, nc, format, &err), err);
+		for (int y = 0; y < 130; y++) {
+			float *row = bake_image_row(&img, y);
+
+			/* within 0 .. 1, so that nothing clips, and what the
+			 * pixels hold */
+			for (int i = 0; i < 9 * nc; i++)
+				row[i] = any_value(
+				    BAKE_DATA_UINT16, (uint32_t)(y * 64 + i));
+			bake_pixels_put(&px, 0, y, 9, row);
+			bake_pixels_get(&px, 0, y, 9, row);
+		}
+		a = encode(&img, &params);
+		b = encode_pixels(&px, &params);
+		CHECK(a.n == b.n && memcmp(a.p, b.p, a.n) == 0);
+		bake_image_free(&img);
+		bake_pixels_free(&px);
+		free(a.p);
+		free(b.p);
+	}
+}
+
+/* Every half, with all its NaNs, goes through as it is. */
+static void
+half_pixels_are_not_touched(void)
+{
+	struct bake_write_params params = params_of(6);
+	struct bake_pixels px = BAKE_PIXELS_INIT;
+	struct bake_err err = BAKE_ERR_INIT;
+	struct bake_image back;
+	struct bake_image_info info;
+	struct bytes b;
+	uint16_t *bits;
+
+	CHECK_OK(
+	    bake_pixels_alloc(&px, 256, 256, 1, BAKE_DATA_HALF, &err), err);
+	bits = px.data;
+	for (unsigned i = 0; i < 65536; i++)
+		bits[i] = (uint16_t)i;
+	b = encode_pixels(&px, &params);
+	CHECK_OK(decode(&b, "a.exr", &info, &back, &err), err);
+	for (unsigned i = 0; i < 65536; i++) {
+		uint32_t got;
+		float want = half_value(i);
+
+		memcpy(&got, &back.data[i], 4);
+		/* a NaN's payload goes to a float's highest bits */
+		CHECK(isnan(want) ? (got >> 13 & 0x3ff) == (i & 0x3ff)
+				  : memcmp(&want, &got, 4) == 0);
+	}
+	bake_pixels_free(&px);
+	bake_image_free(&back);
+	free(b.p);
+}
+
+static void
+pixels_need_a_file_that_holds_them(void)
+{
+	uint16_t data[6] = { 0 };
+	struct bake_pixels px = { 1, 1, 6, BAKE_DATA_HALF, data };
+	struct bake_write_params params = params_of(0);
+	struct bake_err err = BAKE_ERR_INIT;
+	FILE *f = tmpfile();
+
+	CHECK(
+	    bake_pixels_write(&px, &params, f, "x", NULL, &err) == BAKE_EINVAL);
+	CHECK(strcmp(err.msg, "x: png holds 4 channels, not 6") == 0);
+	params.data_format = BAKE_DATA_HALF;
+	err = (struct bake_err)BAKE_ERR_INIT;
+	CHECK(
+	    bake_pixels_write(&px, &params, f, "x", NULL, &err) == BAKE_EINVAL);
+	CHECK(strcmp(err.msg, "x: png holds no half values") == 0);
+	fclose(f);
+	f = fopen("/dev/full", "w");
+	if (f == NULL)
+		return;
+	err = (struct bake_err)BAKE_ERR_INIT;
+	params = params_of(6);
+	CHECK(bake_pixels_write(&px, &params, f, "x", NULL, &err) == BAKE_EIO);
+	CHECK(err.msg[0] != '\0');
+	fclose(f);
+}
+
 static void
 same_bytes_a_second_later(void)
 {
@@ -395,6 +568,10 @@ main(int argc, char *argv[])
 		CASE(names_stay_with_their_channels),
 		CASE(metadata_come_back),
 		CASE(metadata_are_never_cut),
+		CASE(layer_metadata_come_back),
+		CASE(pixels_are_written_as_images_are),
+		CASE(half_pixels_are_not_touched),
+		CASE(pixels_need_a_file_that_holds_them),
 		CASE(same_bytes_a_second_later),
 		CASE(channels_are_read_apart),
 	};

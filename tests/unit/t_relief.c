@@ -95,7 +95,12 @@ layouts_agree_with_channels(void)
 		{ BAKE_LAYOUT_ORM, "orm", ":a10" },
 		{ BAKE_LAYOUT_MASK, "mask", ":0a0h" },
 		{ BAKE_LAYOUT_BENT, "bent", "" },
-		{ BAKE_LAYOUT_HORIZONS, "horizons", "" } };
+		{ BAKE_LAYOUT_HORIZONS, "horizons", "" },
+		{ BAKE_LAYOUT_ROUGHEN_LUT, "roughen-lut", "" },
+		{ BAKE_LAYOUT_LAYER_DEPTH, "layer-depth", "" },
+		{ BAKE_LAYOUT_LAYER_NX, "layer-nx", "" },
+		{ BAKE_LAYOUT_LAYER_NY, "layer-ny", "" },
+		{ BAKE_LAYOUT_LAYER_COLOR, "layer-color", "" } };
 	int n;
 	const struct bake_target *all = bake_targets(&n);
 
@@ -174,7 +179,7 @@ metadata_have_their_names(void)
 	struct bake_relief_meta meta = { BAKE_LAYOUT_RELIEF,
 		BAKE_POLARITY_DEPTH, BAKE_NORMAL_Y_DOWN,
 		BAKE_NORMAL_CODE_SIGNED, 0.1, true, { true, false }, true, 0.2,
-		3, { 0.13, 0.078787878, INFINITY } };
+		3, { 0.13, 0.078787878, INFINITY }, { .nlayers = 0 } };
 	struct bake_attrs attrs;
 	char line[512];
 
@@ -281,6 +286,249 @@ lists_of_keep_scales_come_back(void)
 				    back.keep_scale[i] / meta.keep_scale[i], 1,
 				    n <= 10 ? 5e-6 : 5e-3);
 	}
+}
+
+static bool
+same_layers(const struct bake_layer_meta *a, const struct bake_layer_meta *b)
+{
+	double range = 1e-9 * fabs(a->one - a->zero);
+	double side =
+	    fmax(a->region[2] - a->region[0], a->region[3] - a->region[1]);
+
+	/* as precise as the header says; numbers are floats */
+	for (int i = 0; i < 4; i++)
+		if (!(fabs(a->region[i] - b->region[i]) <= 1e-7 * side))
+			return false;
+	return a->nlayers == b->nlayers && a->texture == b->texture &&
+	       a->ntextures == b->ntextures && a->has_range == b->has_range &&
+	       fabs(a->zero - b->zero) <= range &&
+	       fabs(a->one - b->one) <= range &&
+	       strcmp(a->axis, b->axis) == 0 &&
+	       a->has_region == b->has_region && a->mip_level == b->mip_level &&
+	       a->has_tau == b->has_tau && (float)a->tau == (float)b->tau &&
+	       a->has_plane == b->has_plane &&
+	       (float)a->plane == (float)b->plane;
+}
+
+static struct bake_layer_meta
+some_layers(int i)
+{
+	static const double origin[] = { 0, -0.3, 1e-6, 12345.678, -1e9,
+		1e-30 };
+	static const double size[] = { 1, 1.0 / 3, 1e-6, 4096.1, 1e12 };
+	double o = origin[i % 6], s = size[i / 6 % 5];
+	struct bake_layer_meta m = { .nlayers = 1 + 3 * (i % 7) };
+
+	m.texture = i / 30 % 2;
+	m.ntextures = m.texture * 16;
+	if (i % 4 != 0)
+		bake_layer_meta_set_range(&m, o + s, o);
+	if (i % 5 != 0)
+		m.axis[0] = "+-"[i % 2], m.axis[1] = (char)('x' + i % 3);
+	m.has_region = i % 3 != 0;
+	for (int k = 0; m.has_region && k < 4; k++)
+		m.region[k] = k < 2 ? o - s : o + s * k / 3;
+	m.mip_level = i % 9;
+	m.has_tau = i % 9 > 4;
+	m.tau = m.has_tau ? 0.123456789 * (i % 8) : 0;
+	m.has_plane = i % 11 == 0;
+	m.plane = m.has_plane ? 0.5 : 0;
+	return m;
+}
+
+/* Through the attributes, and through one line of text. */
+static void
+layers_come_back(void)
+{
+	for (int i = 0; i < 60 * 7 * 11; i++) {
+		struct bake_relief_meta meta = BAKE_RELIEF_META_INIT, back;
+		struct bake_attrs attrs, parsed;
+		char line[1024];
+
+		meta.layout = BAKE_LAYOUT_LAYER_DEPTH;
+		meta.normal_y = BAKE_NORMAL_Y_DOWN;
+		meta.depth_scale = 0.1;
+		meta.layer = some_layers(i);
+		bake_attrs_clear(&attrs);
+		bake_relief_meta_to_attrs(&meta, &attrs);
+		CHECK(attrs.n <= 13);
+		memset(&back, 0xa5, sizeof back);
+		bake_relief_meta_from_attrs(&back, &attrs);
+		CHECK(same_meta(&meta, &back));
+		CHECK(same_layers(&meta.layer, &back.layer));
+		bake_attrs_format(&attrs, line, sizeof line);
+		bake_attrs_clear(&parsed);
+		bake_attrs_parse(&parsed, line);
+		bake_relief_meta_from_attrs(&back, &parsed);
+		CHECK(same_layers(&meta.layer, &back.layer));
+	}
+}
+
+static void
+layers_have_their_names(void)
+{
+	struct bake_relief_meta meta = { .layout = BAKE_LAYOUT_LAYER_NX,
+		.normal_y = BAKE_NORMAL_Y_UP,
+		.layer = { .nlayers = 10,
+		    .texture = 2,
+		    .ntextures = 3,
+		    .has_range = true,
+		    .zero = 1.0 / 3,
+		    .one = -2,
+		    .axis = "-y",
+		    .has_region = true,
+		    .region = { -1, -0.25, 1, 2.0 / 3 },
+		    .mip_level = 3,
+		    .has_tau = true,
+		    .tau = 0.375,
+		    .has_plane = true,
+		    .plane = 0.5 } };
+	struct bake_attrs attrs;
+	char line[512];
+
+	bake_attrs_clear(&attrs);
+	bake_relief_meta_to_attrs(&meta, &attrs);
+	bake_attrs_format(&attrs, line, sizeof line);
+	CHECK(strcmp(line, "relief:Layout=layer-nx; relief:Layers=10; "
+			   "relief:Texture=2/3; "
+			   "relief:DepthZero=0.333333333; relief:DepthOne=-2; "
+			   "relief:Axis=-y; "
+			   "relief:Region=-1,-0.25,1,0.6666667; "
+			   "relief:MipLevel=3; relief:Tau=0.375; "
+			   "relief:Plane=0.5; relief:NormalY=up") == 0);
+	CHECK(bake_layout_is_layered(BAKE_LAYOUT_LAYER_DEPTH));
+	CHECK(bake_layout_is_layered(BAKE_LAYOUT_LAYER_COLOR));
+	CHECK(!bake_layout_is_layered(BAKE_LAYOUT_ROUGHEN_LUT));
+	CHECK(!bake_layout_is_layered(BAKE_LAYOUT_UNKNOWN));
+}
+
+/* A coordinate far from the origin keeps what counts: its place within the
+ * range, which a float would lose. */
+static void
+layer_ranges_far_away_are_kept(void)
+{
+	struct bake_relief_meta meta = BAKE_RELIEF_META_INIT, back;
+	struct bake_attrs attrs;
+
+	meta.layout = BAKE_LAYOUT_LAYER_DEPTH;
+	meta.layer.nlayers = 4;
+	bake_layer_meta_set_range(&meta.layer, 1e8 + 1.125, 1e8 + 1);
+	bake_attrs_clear(&attrs);
+	bake_relief_meta_to_attrs(&meta, &attrs);
+	bake_relief_meta_from_attrs(&back, &attrs);
+	/* 1e-9 of the range is below the steps of a double there, 1.5e-8 */
+	CHECK_NEAR(back.layer.zero, meta.layer.zero, 0);
+	CHECK_NEAR(back.layer.one, meta.layer.one, 0);
+}
+
+/* d' = (1 + 253 d) / 255 is at Z = near + d (far - near). */
+static void
+layer_ranges_are_those_of_stored_depths(void)
+{
+	static const double ranges[][2] = { { 1, 0 }, { 2, -3 }, { -1, -1.5 },
+		{ 0, 1 } };
+
+	for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
+		double near = ranges[i][0], far = ranges[i][1], back[2];
+		struct bake_layer_meta m = { .nlayers = 2 };
+
+		bake_layer_meta_set_range(&m, near, far);
+		CHECK(m.has_range);
+		for (int k = 0; k <= 8; k++) {
+			double d = k / 8.0, stored = (1 + 253 * d) / 255;
+
+			/* a few roundings of numbers up to 5 */
+			CHECK_NEAR(m.zero + (m.one - m.zero) * stored,
+			    near + d * (far - near), 0x1p-49);
+		}
+		bake_layer_meta_range(&m, &back[0], &back[1]);
+		CHECK_NEAR(back[0], near, 0x1p-49);
+		CHECK_NEAR(back[1], far, 0x1p-49);
+	}
+}
+
+static void
+hostile_layers_read_as_not_said(void)
+{
+	static const char *const none[] = {
+		"relief:Layers=0", "relief:Layers=-4", "relief:Layers=4.5",
+		"relief:Layers=nan", "relief:Layers=65537",
+		"relief:Layers=1e99", "relief:Layers=", "relief:Layers=4x",
+		"relief:Layers=4,4", "relief:Axis=+z",
+		"relief:Region=0,0,1,1; relief:DepthZero=1; relief:DepthOne=0"
+	};
+	static const char *const nothing_else[] = {
+		"relief:Texture=0/1; relief:DepthZero=1; relief:Axis=z",
+		"relief:Texture=3/2; relief:DepthOne=1; relief:Axis=+w",
+		"relief:Texture=1; relief:DepthZero=1; relief:DepthOne=1",
+		"relief:Texture=1/; relief:DepthZero=inf; relief:DepthOne=0",
+		"relief:Texture=/1; relief:DepthZero=nan; relief:DepthOne=0",
+		"relief:Texture=1/70000; relief:DepthZero=; relief:DepthOne=0",
+		"relief:Texture=1.5/2; relief:Axis=+zz; relief:Region=",
+		"relief:Region=0,0,1; relief:Plane=half; relief:Tau=2",
+		"relief:Region=0,0,1,1,; relief:Tau=-1; relief:MipLevel=-1",
+		"relief:Region=0,0,0,1; relief:Tau=nan; relief:MipLevel=31",
+		"relief:Region=0,1,1,0; relief:Plane=inf; relief:MipLevel=0.5",
+		"relief:Region=0,0,1,inf; relief:Axis=; relief:MipLevel=x",
+		"relief:Region=0;0;1;1; relief:Axis=zx"
+	};
+	struct bake_layer_meta empty = { .nlayers = 0 };
+	struct bake_relief_meta meta;
+	char line[256];
+
+	for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+		meta = parsed_meta(none[i]);
+		CHECK(memcmp(&meta.layer, &empty, sizeof empty) == 0);
+	}
+	for (size_t i = 0; i < sizeof nothing_else / sizeof *nothing_else;
+	     i++) {
+		snprintf(
+		    line, sizeof line, "relief:Layers=4; %s", nothing_else[i]);
+		meta = parsed_meta(line);
+		CHECK(meta.layer.nlayers == 4);
+		meta.layer.nlayers = 0;
+		if (memcmp(&meta.layer, &empty, sizeof empty) != 0)
+			printf("'%s' was understood\n", nothing_else[i]);
+		CHECK(memcmp(&meta.layer, &empty, sizeof empty) == 0);
+	}
+}
+
+static struct bake_layer_check
+checked(float *v, int n, int nlayers, int code_max)
+{
+	static const int rgba[4] = { 0, 1, 2, 3 };
+	struct bake_image img = { n, 1, 4, (size_t)n * 4, v };
+	struct bake_layer_check c;
+
+	bake_layer_check(&img, rgba, nlayers, code_max, &c);
+	return c;
+}
+
+static void
+layers_are_checked(void)
+{
+	const float lo = 1 / 255.0f, hi = 254 / 255.0f;
+	float good[] = { 1, 1, 1, 1, lo, hi, 1, 1, 0.1f, 0.2f, 0.3f, 0.4f };
+	float field[] = { 0.5f, 1, 1, 1, lo, 1, 1, 1 };
+	float bad[] = { 0.5f, 1, 1, 1, /* odd */
+		0.5f, 0.5f, 1, 1,      /* not increasing */
+		1, 1, 0.5f, 0.6f,      /* after an empty one */
+		0, 0.5f, 1, 1,         /* no stored depth */
+		0.5f, NAN, 1, 1,       /* odd, and no depth */
+		0.3f, 1.5f, 0.4f, 1 };
+	struct bake_layer_check c = checked(good, 3, 4, 255);
+
+	CHECK(c.texels[0] == 1 && c.texels[2] == 1 && c.texels[4] == 1);
+	CHECK(c.texels[1] == 0 && c.texels[3] == 0);
+	CHECK(c.odd == 0 && c.unordered == 0 && c.outside == 0);
+	CHECK(c.min == lo && c.max == hi);
+	c = checked(field, 2, 1, 0);
+	CHECK(c.texels[1] == 2 && c.odd == 0 && c.unordered == 0);
+	c = checked(bad, 6, 4, 65535);
+	CHECK(c.texels[1] == 2 && c.texels[2] == 4);
+	CHECK(c.odd == 2 && c.unordered == 3 && c.outside == 3);
+	c = checked(good, 1, 4, 255);
+	CHECK(isnan(c.min) && isnan(c.max) && c.texels[0] == 1);
 }
 
 /* Each channel of each file of each target, bit for bit. */
@@ -530,6 +778,12 @@ main(int argc, char *argv[])
 		CASE(metadata_have_their_names),
 		CASE(hostile_metadata_read_as_not_said),
 		CASE(lists_of_keep_scales_come_back),
+		CASE(layers_come_back),
+		CASE(layers_have_their_names),
+		CASE(layer_ranges_far_away_are_kept),
+		CASE(layer_ranges_are_those_of_stored_depths),
+		CASE(hostile_layers_read_as_not_said),
+		CASE(layers_are_checked),
 		CASE(pack_puts_planes_in_channels),
 		CASE(pack_wants_what_it_needs),
 		CASE(flip_mirrors_every_code),
