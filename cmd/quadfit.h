@@ -34,13 +34,12 @@ struct quadfit_opts {
 /* A mesh with its quadrics. */
 struct quadfit {
 	struct bake_mesh mesh;
-	struct bake_weld weld;
 	struct bake_frames frames;
 	struct bake_quadric *quadrics; /* [frames.nframes] */
 };
 #define QUADFIT_INIT                                                           \
 	{                                                                      \
-		BAKE_MESH_INIT, BAKE_WELD_INIT, BAKE_FRAMES_INIT, NULL         \
+		BAKE_MESH_INIT, BAKE_FRAMES_INIT, NULL                         \
 	}
 
 void quadfit_free(struct quadfit *q);
@@ -69,7 +68,7 @@ bool quadfit_make_gltf(struct cmd *cmd, const struct quadfit_opts *o,
     const char *path, const struct quadfit *q, const char *out, bool glb);
 
 /* Print what the quadrics are like to standard output. */
-bool quadfit_print_stats(
-    struct cmd *cmd, const char *path, const struct quadfit *q);
+bool quadfit_print_stats(struct cmd *cmd, const struct quadfit_opts *o,
+    const char *path, const struct quadfit *q);
 
 #endif

@@ -5,7 +5,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-#include "mem.h"
+#include "cmd_mesh.h"
 #include "output.h"
 #include "quadfit.h"
 #include "quadric_write.h"
@@ -14,7 +14,6 @@ void
 quadfit_free(struct quadfit *q)
 {
 	bake_mesh_free(&q->mesh);
-	bake_weld_free(&q->weld);
 	bake_frames_free(&q->frames);
 	free(q->quadrics);
 	q->quadrics = NULL;
@@ -82,8 +81,6 @@ bool
 quadfit_fit(struct cmd *cmd, const struct quadfit_opts *o, const char *path,
     struct quadfit *q)
 {
-	struct bake_adjacency adj = BAKE_ADJACENCY_INIT;
-	struct bake_frame_params frames = o->frames;
 	struct bake_quadric_params fit = o->fit;
 	struct bake_err err = BAKE_ERR_INIT;
 	struct cmd_progress bar;
@@ -91,54 +88,16 @@ quadfit_fit(struct cmd *cmd, const struct quadfit_opts *o, const char *path,
 
 	if (!has_tangents(cmd, o, path, &q->mesh))
 		return false;
-	frames.nthreads = fit.nthreads = cmd->nthreads;
-	ok = bake_mesh_weld(&q->mesh, o->weld, &q->weld, &err) == BAKE_OK &&
-	     bake_mesh_adjacency(&q->mesh, &q->weld, false, &adj, &err) ==
-		 BAKE_OK &&
-	     bake_mesh_frames(&q->mesh, &q->weld, &adj, &frames, &q->frames,
-		 &err) == BAKE_OK;
-	bake_adjacency_free(&adj);
-	if (ok) {
-		q->quadrics =
-		    bake_alloc(q->frames.nframes, sizeof *q->quadrics, &err);
-		fit.progress = cmd_progress_start(cmd, &bar);
-		ok = q->quadrics != NULL &&
-		     bake_quadric_fit(&q->mesh, &q->weld, &q->frames, &fit,
-			 q->quadrics, &err) == BAKE_OK;
-		cmd_progress_end(&bar);
-	}
+	fit.nthreads = cmd->nthreads;
+	fit.progress = cmd_progress_start(cmd, &bar);
+	ok = bake_quadric_fit_mesh(&q->mesh, o->weld, &o->frames, &fit,
+		 &q->frames, &q->quadrics, &err) == BAKE_OK;
+	cmd_progress_end(&bar);
 	if (ok)
 		warn_frames(cmd, o, path, &q->frames);
 	else
 		cmd_error(cmd, "%s: %s", path, err.msg);
 	return ok;
-}
-
-static void
-warn_count(struct cmd *cmd, const char *path, size_t n, const char *what)
-{
-	if (n > 0)
-		cmd_warn(cmd, "%s: %zu %s", path, n, what);
-}
-
-static void
-warn_dropped(struct cmd *cmd, const char *path, const struct bake_mesh *mesh)
-{
-	const struct bake_mesh_dropped *d = &mesh->dropped;
-
-	warn_count(cmd, path, d->degenerate_faces,
-	    "faces have less than 3 different corners and are left out");
-	warn_count(cmd, path, d->rough_faces,
-	    "polygons cross themselves or have no area");
-	warn_count(cmd, path, d->bad_normals,
-	    "normals are not finite or 0 and are computed");
-	warn_count(cmd, path, d->bad_tangents,
-	    "tangents are not finite or 0 and follow from UVs");
-	if (mesh->nuvs > 0)
-		warn_count(cmd, path, d->missing_uvs, "triangles have no UVs");
-	if (d->points + d->lines > 0)
-		cmd_note(cmd, "%s: %zu points and %zu lines are left out", path,
-		    d->points, d->lines);
 }
 
 static bool
@@ -169,79 +128,18 @@ write_table(struct cmd *cmd, const struct quadfit_opts *o,
 	return true;
 }
 
-/* All of standard input; NULL with the reason printed. */
-static char *
-read_stdin(struct cmd *cmd, const struct quadfit_opts *o, size_t *n)
-{
-	char *bytes = NULL;
-	size_t room = 0, got = 1;
-
-	for (*n = 0; got > 0 && *n <= o->mesh.max_bytes; *n += got) {
-		if (room - *n < 65536) {
-			char *more = realloc(bytes, room = 2 * room + 65536);
-
-			if (more == NULL) {
-				cmd_error(cmd, "standard input: no memory");
-				free(bytes);
-				return NULL;
-			}
-			bytes = more;
-		}
-		got = fread(bytes + *n, 1, room - *n, stdin);
-	}
-	if (!ferror(stdin) && *n <= o->mesh.max_bytes)
-		return bytes;
-	cmd_error(cmd, "standard input: %s",
-	    ferror(stdin) ? "cannot be read" : "is too large");
-	free(bytes);
-	return NULL;
-}
-
-/* A mesh on standard input says itself what it is; OBJ files begin with
- * anything. */
-static bool
-read_mesh_stdin(struct cmd *cmd, const struct quadfit_opts *o, bool to_gltf,
-    struct bake_mesh *mesh)
-{
-	struct bake_err err = BAKE_ERR_INIT;
-	size_t n;
-	char *bytes = read_stdin(cmd, o, &n);
-	bool gltf = bytes != NULL && n >= 4 &&
-		    (*bytes == '{' || memcmp(bytes, "glTF", 4) == 0);
-	bool ok = bytes != NULL;
-
-	if (ok && gltf && to_gltf) {
-		cmd_error(cmd, "standard input: glTF that is to be written as "
-			       "glTF must be a file");
-		ok = false;
-	} else if (ok &&
-		   bake_mesh_read_memory(bytes, n, gltf ? "-.gltf" : "-.obj",
-		       &o->mesh, mesh, &err) != BAKE_OK) {
-		cmd_error(cmd, "standard input: %s", err.msg);
-		ok = false;
-	}
-	free(bytes);
-	return ok;
-}
-
 static bool
 read_mesh(struct cmd *cmd, const struct quadfit_opts *o, const char *path,
     bool to_gltf, struct bake_mesh *mesh)
 {
-	bool standard = strcmp(path, "-") == 0;
-	struct bake_err err = BAKE_ERR_INIT;
-
-	if (standard) {
-		if (!read_mesh_stdin(cmd, o, to_gltf, mesh))
-			return false;
-	} else if (bake_mesh_read(path, &o->mesh, mesh, &err) != BAKE_OK) {
-		cmd_error(cmd, "%s", err.msg);
+	if (!cmd_read_mesh(cmd, path, &o->mesh, mesh))
 		return false;
-	}
-	for (size_t i = standard; i < mesh->nfiles; i++)
-		cmd_list_add(&cmd->read, mesh->files[i]);
-	warn_dropped(cmd, path, mesh);
-	return true;
+	/* only glTF says which way is up */
+	if (!to_gltf || strcmp(path, "-") != 0 || !mesh->y_up)
+		return true;
+	cmd_error(cmd, "standard input: glTF that is to be written as glTF "
+		       "must be a file");
+	return false;
 }
 
 bool
@@ -253,15 +151,17 @@ quadfit_file(struct cmd *cmd, const struct quadfit_opts *o, const char *path,
 
 	if (out != NULL && gltf && quadfit_is_gltf(path))
 		return quadfit_gltf(cmd, o, path, out, type == QUADFIT_GLB);
-	if (!read_mesh(cmd, o, path, out != NULL && gltf, &q.mesh))
+	if (!read_mesh(cmd, o, path, out != NULL && gltf, &q.mesh)) {
+		quadfit_free(&q);
 		return false;
+	}
 	ok = quadfit_fit(cmd, o, path, &q);
 	if (ok && out != NULL)
 		ok = gltf ? quadfit_make_gltf(
 				cmd, o, path, &q, out, type == QUADFIT_GLB)
 			  : write_table(cmd, o, &q, out, type);
 	if (ok && o->stats)
-		ok = quadfit_print_stats(cmd, path, &q);
+		ok = quadfit_print_stats(cmd, o, path, &q);
 	quadfit_free(&q);
 	return ok;
 }

@@ -255,7 +255,7 @@ fit_run(struct cmd *cmd, const struct quadfit_opts *o, const char *path,
 	}
 	ok = quadfit_fit(cmd, o, name, &q) &&
 	     add_run(cmd, o, name, gltf, all, r, &q) &&
-	     (!o->stats || quadfit_print_stats(cmd, name, &q));
+	     (!o->stats || quadfit_print_stats(cmd, o, name, &q));
 	triangles = q.mesh.triangles;
 	q.mesh = (struct bake_mesh)BAKE_MESH_INIT;
 	free(triangles);

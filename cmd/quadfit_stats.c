@@ -42,15 +42,20 @@ print_mesh(
 }
 
 bool
-quadfit_print_stats(struct cmd *cmd, const char *path, const struct quadfit *q)
+quadfit_print_stats(struct cmd *cmd, const struct quadfit_opts *o,
+    const char *path, const struct quadfit *q)
 {
+	struct bake_weld weld = BAKE_WELD_INIT;
 	struct bake_quadric_stats s;
 	struct bake_topology t;
 	struct bake_err err = BAKE_ERR_INIT;
+	bool ok = bake_mesh_weld(&q->mesh, o->weld, &weld, &err) == BAKE_OK &&
+		  bake_mesh_topology(&q->mesh, &weld, &t, &err) == BAKE_OK &&
+		  bake_quadric_count(
+		      q->quadrics, q->frames.nframes, &s, &err) == BAKE_OK;
 
-	if (bake_mesh_topology(&q->mesh, &q->weld, &t, &err) != BAKE_OK ||
-	    bake_quadric_count(q->quadrics, q->frames.nframes, &s, &err) !=
-		BAKE_OK) {
+	bake_weld_free(&weld);
+	if (!ok) {
 		cmd_error(cmd, "%s: %s", path, err.msg);
 		return false;
 	}

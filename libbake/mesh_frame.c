@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "mesh_frame.h"
 
+#include <math.h>
 #include <omp.h>
 #include <stdlib.h>
 
@@ -10,174 +11,162 @@
 #include "mesh_frame_priv.h"
 #include "parallel.h"
 
-/* A pair of a position that has more than one UV. */
-struct pair {
-	int v, vt;
-};
+/* -- which there are ------------------------------------------------------- */
 
 static int
 by_pair(const void *pa, const void *pb)
 {
-	const struct pair *a = pa, *b = pb;
+	const struct bake_frame_pair *a = pa, *b = pb;
 
 	if (a->v != b->v)
 		return a->v < b->v ? -1 : 1;
 	return (a->vt > b->vt) - (a->vt < b->vt);
 }
 
-/* What only[v] holds: a vt (-1: no UV) where v has no other, or one of these.
- */
-enum { UNUSED = -2, SEVERAL = -3 };
-
-/* Fill only, and return in how many corners positions with several UVs are. */
-static size_t
-find_several(const struct bake_mesh *m, int *only)
+/* The different pairs of positions that have several, sorted. */
+static enum bake_status
+list_pairs(const struct bake_mesh *m, const struct bake_place *place,
+    struct bake_frame_pair **out, size_t *count, struct bake_err *err)
 {
-	size_t n = 0;
-	bool any = false;
-
-	for (size_t v = 0; v < m->npositions; v++)
-		only[v] = UNUSED;
-	for (size_t i = 0; i < 3 * m->ntriangles; i++) {
-		const struct bake_corner *c = &m->triangles[i / 3][i % 3];
-
-		if (only[c->v] == UNUSED)
-			only[c->v] = c->vt;
-		else if (only[c->v] != c->vt) {
-			only[c->v] = SEVERAL;
-			any = true;
-		}
-	}
-	for (size_t i = 0; any && i < 3 * m->ntriangles; i++)
-		n += only[m->triangles[i / 3][i % 3].v] == SEVERAL;
-	return n;
-}
-
-/* The different pairs of such positions, sorted. Returns how many. */
-static size_t
-list_pairs(const struct bake_mesh *m, const int *only, struct pair *pairs)
-{
+	struct bake_frame_pair *pairs;
 	size_t n = 0, ndifferent = 0;
 
+	for (size_t i = 0; i < 3 * m->ntriangles; i++)
+		n += place[m->triangles[i / 3][i % 3].v].frame ==
+		     BAKE_PLACE_SEVERAL;
+	if ((pairs = *out = bake_alloc(n, sizeof *pairs, err)) == NULL)
+		return BAKE_ENOMEM;
+	n = 0;
 	for (size_t i = 0; i < 3 * m->ntriangles; i++) {
 		const struct bake_corner *c = &m->triangles[i / 3][i % 3];
 
-		if (only[c->v] == SEVERAL)
-			pairs[n++] = (struct pair){ c->v, c->vt };
+		if (place[c->v].frame == BAKE_PLACE_SEVERAL)
+			pairs[n++] = (struct bake_frame_pair){ c->v, c->vt, 0 };
 	}
 	qsort(pairs, n, sizeof *pairs, by_pair);
 	for (size_t i = 0; i < n; i++)
 		if (i == 0 || by_pair(&pairs[i], &pairs[i - 1]) != 0)
 			pairs[ndifferent++] = pairs[i];
-	return ndifferent;
+	*count = ndifferent;
+	return BAKE_OK;
 }
 
-/* The frames in their order; start[v] becomes the first of position v. */
+/* Frames in their order, each in its point's list: place[].frame, pairs' frame
+ * and the sites. */
 static void
-lay_out(const struct bake_mesh *m, const int *only, const struct pair *pairs,
-    size_t npairs, struct bake_frames *frames, int *start)
+give_numbers(const struct bake_mesh *m, struct bake_points *pts,
+    struct bake_frame_pair *pairs, size_t npairs)
 {
-	size_t pair = 0, n = 0;
+	size_t pair = 0;
+	int n = 0;
 
 	for (size_t v = 0; v < m->npositions; v++) {
-		start[v] = (int)n;
-		for (; pair < npairs && pairs[pair].v == (int)v; pair++)
-			frames->frame[n++] = (struct bake_frame){
-				.v = (int)v, .vt = pairs[pair].vt, .hand = 1
-			};
-		if (only[v] != SEVERAL && only[v] != UNUSED)
-			frames->frame[n++] = (struct bake_frame){
-				.v = (int)v, .vt = only[v], .hand = 1
-			};
+		struct bake_place *place = &pts->place[v];
+		int *at;
+
+		if (place->frame == BAKE_PLACE_UNUSED)
+			continue;
+		at = &pts->first_site[place->point + 1];
+		if (place->frame != BAKE_PLACE_SEVERAL) {
+			pts->site[(*at)++] = (struct bake_site){ n,
+				place->point, (int)v, place->frame };
+			place->frame = n++;
+			continue;
+		}
+		place->frame = -1 - (int)pair;
+		for (; pair < npairs && pairs[pair].v == (int)v; pair++) {
+			pts->site[(*at)++] = (struct bake_site){ n,
+				place->point, (int)v, pairs[pair].vt };
+			pairs[pair].frame = n++;
+		}
 	}
-	start[m->npositions] = (int)n;
 }
 
-/* The frame of a corner, by halving. */
-static int
-find_frame(
-    const struct bake_frames *frames, const int *start, struct bake_corner c)
+/* Where the sites of each point go: first_site[p + 1], from zeros. */
+static void
+count_sites(const struct bake_mesh *m, struct bake_points *pts,
+    const struct bake_frame_pair *pairs, size_t npairs)
 {
-	int lo = start[c.v], hi = start[c.v + 1] - 1;
-
-	while (lo < hi) {
-		int mid = lo + (hi - lo) / 2;
-
-		if (frames->frame[mid].vt < c.vt)
-			lo = mid + 1;
-		else
-			hi = mid;
-	}
-	return lo;
+	for (size_t v = 0; v < m->npositions; v++)
+		pts->first_site[pts->place[v].point + 2] +=
+		    pts->place[v].frame >= -1;
+	for (size_t i = 0; i < npairs; i++)
+		pts->first_site[pts->place[pairs[i].v].point + 2]++;
+	for (size_t p = 0; p < pts->n; p++)
+		pts->first_site[p + 2] += pts->first_site[p + 1];
 }
 
-/* Which pairs (v, vt) there are, and which each corner has. */
-static enum bake_status
-number_frames(
-    const struct bake_mesh *m, struct bake_frames *frames, struct bake_err *err)
+/* The UVs of points that have one. */
+static void
+copy_uvs(const struct bake_mesh *m, struct bake_points *pts)
 {
-	int *only = bake_alloc(m->npositions, sizeof *only, err);
-	int *start = bake_alloc(m->npositions + 1, sizeof *start, err);
-	struct pair *pairs = NULL;
-	size_t npairs, total = 0;
-	enum bake_status rc = BAKE_ENOMEM;
+	enum { AHEAD = 16 };
+	const size_t nsites = (size_t)pts->first_site[pts->n];
 
+	for (size_t p = 0; p < pts->n; p++) {
+		size_t i = (size_t)pts->first_site[p];
+		int vt = pts->site[i].vt;
+		bool one = pts->first_site[p + 1] == (int)i + 1 && vt >= 0;
+
+		if (i + AHEAD < nsites && pts->site[i + AHEAD].vt >= 0)
+			__builtin_prefetch(m->uvs[pts->site[i + AHEAD].vt]);
+		for (int k = 0; k < 2; k++)
+			pts->uv[p][k] = one ? m->uvs[vt][k] : (double)NAN;
+	}
+}
+
+enum bake_status
+bake_frames_number(const struct bake_mesh *m, struct bake_points *pts,
+    struct bake_frames *frames, struct bake_frame_pair **pairs, size_t *npairs,
+    struct bake_err *err)
+{
+	bool several = false;
+	enum bake_status rc;
+	size_t n = 0;
+
+	*npairs = 0;
+	for (size_t v = 0; v < m->npositions; v++) {
+		several |= pts->place[v].frame == BAKE_PLACE_SEVERAL;
+		n += pts->place[v].frame >= -1;
+	}
+	if (several &&
+	    (rc = list_pairs(m, pts->place, pairs, npairs, err)) != BAKE_OK)
+		return rc;
+	n += *npairs;
+	if ((rc = bake_points_room_for_sites(m, n, pts, err)) != BAKE_OK)
+		return rc;
+	frames->frame = bake_alloc(n, sizeof *frames->frame, err);
 	frames->frame_of =
 	    bake_alloc(m->ntriangles, sizeof *frames->frame_of, err);
-	if (only == NULL || start == NULL || frames->frame_of == NULL)
-		goto out;
-	npairs = find_several(m, only);
-	if ((pairs = bake_alloc(npairs, sizeof *pairs, err)) == NULL)
-		goto out;
-	if (npairs > 0)
-		npairs = list_pairs(m, only, pairs);
-	for (size_t v = 0; v < m->npositions; v++)
-		total += only[v] != SEVERAL && only[v] != UNUSED;
-	total += npairs;
-	frames->frame = bake_alloc(total, sizeof *frames->frame, err);
-	if (frames->frame == NULL)
-		goto out;
-	frames->nframes = total;
+	if (frames->frame == NULL || frames->frame_of == NULL)
+		return BAKE_ENOMEM;
+	frames->nframes = n;
 	frames->ntriangles = m->ntriangles;
-	lay_out(m, only, pairs, npairs, frames, start);
-	for (size_t i = 0; i < m->ntriangles; i++)
-		for (int k = 0; k < 3; k++)
-			frames->frame_of[i][k] =
-			    find_frame(frames, start, m->triangles[i][k]);
-	rc = BAKE_OK;
-out:
-	free(only);
-	free(start);
-	free(pairs);
-	return rc;
+	count_sites(m, pts, *pairs, *npairs);
+	give_numbers(m, pts, *pairs, *npairs);
+	copy_uvs(m, pts);
+	return BAKE_OK;
 }
 
 /* -- all of them --------------------------------------------------------- */
 
-static int
-room_for_corners(const struct bake_adjacency *adj)
+static size_t
+room_for_corners(const struct bake_points *pts)
 {
-	int most = BAKE_FRAME_BATCH;
+	unsigned most = BAKE_FRAME_BATCH;
 
-	for (size_t i = 0; i < adj->npositions; i++)
-		if (adj->start[i + 1] - adj->start[i] > most)
-			most = adj->start[i + 1] - adj->start[i];
+	for (size_t p = 0; p < pts->n; p++)
+		if (pts->first[p + 1] - pts->first[p] > most)
+			most = pts->first[p + 1] - pts->first[p];
 	return most;
 }
 
-static enum bake_status
-check(const struct bake_mesh *m, const struct bake_weld *weld,
-    const struct bake_adjacency *adj, const struct bake_frame_params *params,
-    struct bake_err *err)
+enum bake_status
+bake_frame_check(const struct bake_mesh *m,
+    const struct bake_frame_params *params, struct bake_err *err)
 {
 	if (m->ntriangles == 0)
 		return bake_fail(err, BAKE_EDATA, "the mesh has no triangles");
-	if ((weld != NULL && weld->npositions != m->npositions) ||
-	    (adj != NULL && adj->npositions != m->npositions))
-		return bake_fail(err, BAKE_EINVAL,
-		    "a weld or adjacency of another mesh, expected one of "
-		    "%zu positions",
-		    m->npositions);
 	if (params->normals == BAKE_NORMALS_FILE && m->nnormals == 0)
 		return bake_fail(
 		    err, BAKE_EDATA, "the mesh has no normals of its own");
@@ -190,52 +179,36 @@ check(const struct bake_mesh *m, const struct bake_weld *weld,
 	return BAKE_OK;
 }
 
-static enum bake_status
-do_points(struct frame_job *job, struct bake_err *err)
+enum bake_status
+bake_frame_start(struct frame_job *job, int nthreads, struct bake_err *err)
 {
-	enum { CHUNK = 256 };
 	static void (*const kernels[])(struct frame_batch *, int) =
 	    BAKE_KERNEL_TABLE(bake_frame_corners);
-	int nthreads = bake_threads(job->params->nthreads);
-	size_t most = (size_t)room_for_corners(job->adj);
-	size_t total = (size_t)nthreads * most;
-	const struct frame_bench all = { bake_alloc(
-					     total, sizeof *all.items, err),
-		bake_alloc(total, sizeof *all.order, err),
-		bake_alloc(total, 2 * sizeof *all.spokes, err),
-		bake_zalloc((size_t)nthreads, sizeof *all.batch, err) };
-	ptrdiff_t n = (ptrdiff_t)job->mesh->npositions;
-	enum bake_status rc = BAKE_OK;
+	size_t most = room_for_corners(job->pts);
 
-	if (all.items == NULL || all.order == NULL || all.spokes == NULL ||
-	    all.batch == NULL) {
-		rc = BAKE_ENOMEM;
-		goto out;
-	}
 	job->corners = kernels[bake_isa_pick()];
-	for (int i = 0; i < nthreads; i++)
-		all.batch[i].weight = job->params->weight;
-#pragma omp parallel for schedule(dynamic) num_threads(nthreads)
-	for (ptrdiff_t i = 0; i < n; i += CHUNK) {
-		size_t thread = (size_t)omp_get_thread_num();
-		size_t at = thread * most;
-		const struct frame_bench bench = { all.items + at,
-			all.order + at, all.spokes + 2 * at,
-			all.batch + thread };
+	job->has_file_vectors =
+	    (job->mesh->nnormals > 0 &&
+		job->params->normals != BAKE_NORMALS_COMPUTED) ||
+	    (job->mesh->tangents != NULL &&
+		job->params->tangents == BAKE_TANGENTS_FILE);
+	job->nbenches = nthreads;
+	job->benches = bake_zalloc((size_t)nthreads, sizeof *job->benches, err);
+	if (job->benches == NULL)
+		return BAKE_ENOMEM;
+	for (int i = 0; i < nthreads; i++) {
+		struct frame_bench *b = &job->benches[i];
 
-		bake_frame_points(
-		    job, (int)i, (int)(n - i < CHUNK ? n : i + CHUNK), &bench);
+		b->items = bake_alloc(most, sizeof *b->items, err);
+		b->order = bake_alloc(most, sizeof *b->order, err);
+		b->spokes = bake_alloc(most, 2 * sizeof *b->spokes, err);
+		b->batch = bake_zalloc(1, sizeof *b->batch, err);
+		if (b->items == NULL || b->order == NULL || b->spokes == NULL ||
+		    b->batch == NULL)
+			return BAKE_ENOMEM;
+		b->batch->weight = job->params->weight;
 	}
-	n = (ptrdiff_t)job->frames->nframes;
-#pragma omp parallel for schedule(static) num_threads(nthreads)
-	for (ptrdiff_t i = 0; i < n; i++)
-		bake_frame_finish(job, &job->frames->frame[i]);
-out:
-	free(all.items);
-	free(all.order);
-	free(all.spokes);
-	free(all.batch);
-	return rc;
+	return BAKE_OK;
 }
 
 /* Whether no gradient can be taken from the triangle's UVs. */
@@ -259,63 +232,60 @@ has_flat_uvs(const struct bake_mesh *m, const struct bake_corner t[3])
 				 (f[0] * f[0] + f[1] * f[1]));
 }
 
-static void
-count(const struct bake_mesh *m, struct bake_frames *frames)
+static bool
+is_collapsed(const struct bake_place *place, const struct bake_corner t[3])
 {
-	for (size_t i = 0; i < frames->nframes; i++) {
-		int flags = frames->frame[i].flags;
+	int a = place[t[0].v].point, b = place[t[1].v].point,
+	    c = place[t[2].v].point;
 
-		frames->normal_none += (flags & BAKE_FRAME_NORMAL_NONE) != 0;
-		frames->tangent_none += (flags & BAKE_FRAME_TANGENT_NONE) != 0;
-		frames->mirror_mixed += (flags & BAKE_FRAME_MIRROR_MIXED) != 0;
-	}
-	for (size_t i = 0; i < m->ntriangles; i++)
-		frames->flat_uv_triangles += has_flat_uvs(m, m->triangles[i]);
+	return a == b || b == c || c == a;
 }
 
-/* In the order the mesh has. */
-static enum bake_status
-do_frames(struct frame_job *job, struct bake_err *err)
+void
+bake_frame_end(struct frame_job *job)
 {
-	struct bake_adjacency own = BAKE_ADJACENCY_INIT;
 	const struct bake_mesh *m = job->mesh;
-	enum bake_status rc = BAKE_OK;
+	struct bake_frames *frames = job->frames;
 
-	if (job->adj == NULL) {
-		rc = bake_mesh_adjacency(m, job->weld, false, &own, err);
-		if (rc != BAKE_OK)
-			return rc;
-		job->adj = &own;
+	for (int i = 0; i < job->nbenches; i++) {
+		struct frame_bench *b = &job->benches[i];
+
+		frames->normal_none += b->normal_none;
+		frames->tangent_none += b->tangent_none;
+		frames->mirror_mixed += b->mirror_mixed;
+		frames->flat_uv_triangles += b->flat_uvs;
+		free(b->items);
+		free(b->order);
+		free(b->spokes);
+		free(b->batch);
 	}
-	job->point_normal =
-	    bake_alloc(m->npositions, sizeof *job->point_normal, err);
-	if (job->point_normal == NULL)
-		rc = BAKE_ENOMEM;
-	else if ((rc = number_frames(m, job->frames, err)) == BAKE_OK &&
-		 (rc = do_points(job, err)) == BAKE_OK)
-		count(m, job->frames);
-	free(job->point_normal);
-	bake_adjacency_free(&own);
-	return rc;
+	free(job->benches);
+	/* those that no point's corners are of */
+	for (size_t i = 0;
+	     job->pts->ntriangles < m->ntriangles && i < m->ntriangles; i++)
+		if (is_collapsed(job->pts->place, m->triangles[i]))
+			frames->flat_uv_triangles +=
+			    has_flat_uvs(m, m->triangles[i]);
 }
 
-/* In an order where what is near in space is near in memory. The result is
- * the same in any order: only the time is not. */
 static enum bake_status
-do_copy(const struct frame_job *job, struct bake_err *err)
+do_points(struct frame_job *job, struct bake_err *err)
 {
-	struct frame_copy copy;
-	struct bake_frames frames = BAKE_FRAMES_INIT;
-	struct frame_job local = { &copy.mesh, &copy.weld, NULL, job->params,
-		&frames, NULL, NULL };
+	/* and points for which another thread pays: about a millisecond */
+	enum { CHUNK = 256, ENOUGH = 4096 };
+	int nthreads = bake_threads(job->params->nthreads);
+	ptrdiff_t n = (ptrdiff_t)job->pts->n;
 	enum bake_status rc;
 
-	if ((rc = bake_frame_copy(job->mesh, job->weld, &copy, err)) ==
-		BAKE_OK &&
-	    (rc = do_frames(&local, err)) == BAKE_OK)
-		rc = bake_frame_put_back(&copy, &frames, job->frames, err);
-	bake_frames_free(&frames);
-	bake_frame_copy_free(&copy);
+	if (nthreads > n / ENOUGH + 1)
+		nthreads = (int)(n / ENOUGH + 1);
+	rc = bake_frame_start(job, nthreads, err);
+#pragma omp parallel for schedule(dynamic) num_threads(nthreads)
+	for (ptrdiff_t i = 0; i < (rc == BAKE_OK ? n : 0); i += CHUNK)
+		bake_frame_points(job, (size_t)i,
+		    (size_t)(n - i < CHUNK ? n : i + CHUNK),
+		    &job->benches[omp_get_thread_num()]);
+	bake_frame_end(job);
 	return rc;
 }
 
@@ -324,13 +294,25 @@ bake_mesh_frames(const struct bake_mesh *mesh, const struct bake_weld *weld,
     const struct bake_adjacency *adj, const struct bake_frame_params *params,
     struct bake_frames *frames, struct bake_err *err)
 {
-	struct frame_job job = { mesh, weld, adj, params, frames, NULL, NULL };
+	struct bake_points pts = BAKE_POINTS_INIT;
+	struct frame_job job = {
+		.mesh = mesh, .pts = &pts, .params = params, .frames = frames
+	};
 	enum bake_status rc;
 
 	*frames = (struct bake_frames)BAKE_FRAMES_INIT;
-	if ((rc = check(mesh, weld, adj, params, err)) == BAKE_OK)
-		rc = bake_frame_is_local(mesh) ? do_frames(&job, err)
-					       : do_copy(&job, err);
+	if ((rc = bake_frame_check(mesh, params, err)) != BAKE_OK)
+		return rc;
+	if ((weld != NULL && weld->npositions != mesh->npositions) ||
+	    (adj != NULL && adj->npositions != mesh->npositions))
+		return bake_fail(err, BAKE_EINVAL,
+		    "a weld or adjacency of another mesh, expected one of "
+		    "%zu positions",
+		    mesh->npositions);
+	if ((rc = bake_points_make(mesh, weld, false, frames, &pts, err)) ==
+	    BAKE_OK)
+		rc = do_points(&job, err);
+	bake_points_free(&pts);
 	if (rc != BAKE_OK)
 		bake_frames_free(frames);
 	return rc;

@@ -138,12 +138,13 @@ struct bake_frames {
  *
  *   mesh    not modified
  *   weld    of the same mesh; NULL: every position is a point of its own
- *   adj     of the same mesh and weld, collapsed = false; NULL: built here
+ *   adj     NULL; or of the same mesh, which then is checked but not needed
  *   params  see above
  *   frames  out: BAKE_FRAMES_INIT before, the caller frees it
  *   err     reason on failure; never NULL
  *
- * BAKE_EDATA   the mesh has no triangle; BAKE_NORMALS_FILE and it has no
+ * BAKE_EDATA   the mesh has no triangle; a position that a triangle uses is not
+ *              finite; BAKE_NORMALS_FILE and it has no
  *              normals; BAKE_TANGENTS_UV or _FILE and it has no UVs at all (nor
  *              tangents, for _FILE): the message says so
  * BAKE_EINVAL  weld or adj is of another mesh
@@ -153,7 +154,9 @@ struct bake_frames {
  * 1e100 in magnitude. Every sum is taken in an order of the values themselves,
  * so that the same geometry with its vertices or triangles in another order, or
  * a triangle's corners rotated, gives the same bits. Angles are computed with
- * sqrt and arithmetic only: same bits on every machine. Reentrant; same bytes
+ * sqrt and arithmetic only: same bits on every machine. Points are visited
+ * along a Morton curve, so that time hardly depends on the file's order.
+ * Memory beside the frames: about 200 bytes a position. Reentrant; same bytes
  * for every thread count.
  */
 BAKE_API enum bake_status bake_mesh_frames(const struct bake_mesh *mesh,

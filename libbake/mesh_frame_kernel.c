@@ -58,10 +58,12 @@ gradients(struct frame_batch *b, int l, const vec_d e[3], const vec_d f[3],
 	vec_d det = es * ft - fs * et;
 	vec_d size = (es * es + et * et) * (fs * fs + ft * ft);
 	vec_d scale = 1.0 / det, ps[3], pt[3], sum;
-	vec_mask good = (vec_mask)(det * det > FLAT * FLAT * size) &
+	vec_mask has_uv_area = (vec_mask)(det * det > FLAT * FLAT * size);
+	vec_mask good = has_uv_area &
 			(vec_mask)(size < vecd_set((double)INFINITY)) &
 			has_area;
 
+	vecd_store(&b->flat_uv[l], keep(~has_uv_area, vecd_set(1.0)));
 	for (int k = 0; k < 3; k++) {
 		ps[k] = (e[k] * ft - f[k] * et) * scale;
 		pt[k] = (f[k] * es - e[k] * fs) * scale;

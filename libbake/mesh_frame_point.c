@@ -6,203 +6,94 @@
 
 #include "mesh_frame_priv.h"
 
-/* While frames are made: file normals or tangents that differ. */
-enum { MIXED_NORMALS = 1 << 16, MIXED_TANGENTS = 1 << 17 };
+/* -- corners ------------------------------------------------------------- */
 
-/* -- vectors ------------------------------------------------------------- */
+static const unsigned next_of[3] = { 1, 2, 0 }, prev_of[3] = { 2, 0, 1 };
 
-static double
-dot(const double a[3], const double b[3])
+/* The three corners of a file's triangle, from the given one on. */
+struct turned {
+	const struct bake_corner *c[3];
+	bool has_uvs;
+};
+
+static struct turned
+corners_of_file(const struct frame_job *job, unsigned corner)
 {
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+	unsigned first = job->pts->triangle[corner / 4].corner;
+	const struct bake_corner *t = job->mesh->triangles[first / 4];
+	unsigned k = (first % 4 + corner % 4) % 3;
+
+	return (struct turned){ { &t[k], &t[next_of[k]], &t[prev_of[k]] },
+		t[0].vt >= 0 && t[1].vt >= 0 && t[2].vt >= 0 };
 }
 
+/* UV edges of a corner one of whose UVs its point alone does not give. */
 static void
-cross(const double a[3], const double b[3], double out[3])
+take_uv_edges(
+    const struct frame_job *job, unsigned corner, struct frame_batch *b, int l)
 {
-	out[0] = a[1] * b[2] - a[2] * b[1];
-	out[1] = a[2] * b[0] - a[0] * b[2];
-	out[2] = a[0] * b[1] - a[1] * b[0];
-}
+	const double(*uvs)[2] = (const double(*)[2])job->mesh->uvs;
+	struct turned t = corners_of_file(job, corner);
 
-static void
-add_scaled(double sum[3], double w, const double x[3])
-{
-	for (int k = 0; k < 3; k++)
-		sum[k] += w * x[k];
-}
-
-static double
-larger(double a, double b)
-{
-	return a > b ? a : b;
-}
-
-/* To unit length; false, x as it was, where it has no direction. */
-static bool
-normalize(double x[3])
-{
-	double scale, length;
-
-	scale = dot(x, x);
-	if (scale > 1e-200 && scale < 1e200) {
-		/* the usual case: neither under- nor overflow */
-		length = sqrt(scale);
-		for (int k = 0; k < 3; k++)
-			x[k] /= length;
-		return true;
+	for (int k = 0; k < 2; k++) {
+		b->uv_e[k][l] =
+		    t.has_uvs ? uvs[t.c[1]->vt][k] - uvs[t.c[0]->vt][k] : 0.0;
+		b->uv_f[k][l] =
+		    t.has_uvs ? uvs[t.c[2]->vt][k] - uvs[t.c[0]->vt][k] : 0.0;
 	}
-	scale = larger(fabs(x[0]), larger(fabs(x[1]), fabs(x[2])));
-	if (!(scale > 0.0) || !isfinite(scale))
-		return false;
-	for (int k = 0; k < 3; k++)
-		x[k] /= scale;
-	length = sqrt(dot(x, x));
-	for (int k = 0; k < 3; k++)
-		x[k] /= length;
-	return true;
 }
 
-/* atan(t) for 0 <= t <= 1: the angle is halved twice, so
- * that t <= tan(pi/16) and 12 terms leave 0.199^24 / 25 < 1e-18 of it. Even and
- * odd powers are summed apart, which halves the wait. */
-static inline double
-atan_unit(double t)
+/* A corner, into lane l: its edges. */
+static inline void
+take_edges(
+    const struct frame_job *job, unsigned corner, struct frame_batch *b, int l)
 {
-	double x, xx, even, odd;
+	const struct bake_points *pts = job->pts;
+	const struct bake_point_triangle *t = &pts->triangle[corner / 4];
+	unsigned k0 = corner % 4;
+	unsigned p0 = t->p[k0], p1 = t->p[next_of[k0]], p2 = t->p[prev_of[k0]];
+	const double *p = pts->point[p0].p, *uv = pts->uv[p0];
+	const double *next = pts->point[p1].p, *uv_next = pts->uv[p1];
+	const double *prev = pts->point[p2].p, *uv_prev = pts->uv[p2];
+	double sum = 0.0;
 
-	t = t / (1.0 + sqrt(1.0 + t * t));
-	t = t / (1.0 + sqrt(1.0 + t * t));
-	x = t * t;
-	xx = x * x;
-	even = 1.0 / 21.0 + xx * (1.0 / 25.0);
-	odd = 1.0 / 19.0 + xx * (1.0 / 23.0);
-	even = 1.0 / 17.0 + xx * even;
-	odd = 1.0 / 15.0 + xx * odd;
-	even = 1.0 / 13.0 + xx * even;
-	odd = 1.0 / 11.0 + xx * odd;
-	even = 1.0 / 9.0 + xx * even;
-	odd = 1.0 / 7.0 + xx * odd;
-	even = 1.0 / 5.0 + xx * even;
-	odd = 1.0 / 3.0 + xx * odd;
-	return 4.0 * (t + t * (xx * even - x * odd));
-}
-
-/* 2 atan(y / x) for y, x >= 0, not both 0. */
-static double
-twice_atan(double y, double x)
-{
-	return y <= x ? 2.0 * atan_unit(y / x)
-		      : BAKE_FRAME_PI - 2.0 * atan_unit(x / y);
-}
-
-double
-bake_angle_rad(const double u[3], const double v[3])
-{
-	double a[3] = { u[0], u[1], u[2] }, b[3] = { v[0], v[1], v[2] };
-	double d = 0.0, s = 0.0;
-
-	if (!normalize(a) || !normalize(b))
-		return 0.0;
 	for (int k = 0; k < 3; k++) {
-		d += (a[k] - b[k]) * (a[k] - b[k]);
-		s += (a[k] + b[k]) * (a[k] + b[k]);
+		b->e[k][l] = next[k] - p[k];
+		b->f[k][l] = prev[k] - p[k];
 	}
-	return twice_atan(sqrt(d), sqrt(s));
-}
+	for (int k = 0; k < 2; k++) {
+		double e = uv_next[k] - uv[k], f = uv_prev[k] - uv[k];
 
-/* -- order --------------------------------------------------------------- */
-
-static int
-compare_values(const double *a, const double *b, int n)
-{
-	for (int k = 0; k < n; k++)
-		if (a[k] != b[k])
-			return a[k] < b[k] ? -1 : 1;
-	return 0;
-}
-
-static int
-compare_file(const double *a, const double *b, int n)
-{
-	if (a == NULL || b == NULL)
-		return (a != NULL) - (b != NULL);
-	return compare_values(a, b, n);
-}
-
-/* By everything that enters a sum, so that the order of equal ones does not
- * matter. */
-static int
-compare_items(const struct frame_item *a, const struct frame_item *b)
-{
-	int c = compare_values(a->wn, b->wn, 3);
-
-	if (c == 0)
-		c = compare_values(&a->angle, &b->angle, 1);
-	if (c == 0)
-		c = compare_values(a->ps, b->ps, 3);
-	if (c == 0)
-		c = compare_values(a->pt, b->pt, 3);
-	if (c == 0)
-		c = compare_file(a->normal, b->normal, 3);
-	if (c == 0)
-		c = compare_file(a->tangent, b->tangent, 4);
-	return c;
-}
-
-int
-bake_frame_compare_uv(const struct frame_item *a, const struct frame_item *b)
-{
-	if (a->has_uv != b->has_uv)
-		return a->has_uv - b->has_uv;
-	return a->has_uv ? compare_values(a->uv, b->uv, 2) : 0;
-}
-
-static int
-by_value(const void *a, const void *b)
-{
-	return compare_items(
-	    *(struct frame_item *const *)a, *(struct frame_item *const *)b);
-}
-
-/* Groups apart, in no order of their own: no sum is over two of them. */
-static int
-by_group(const void *a, const void *b)
-{
-	const struct frame_item *x = *(struct frame_item *const *)a;
-	const struct frame_item *y = *(struct frame_item *const *)b;
-
-	if (x->head != y->head)
-		return x->head < y->head ? -1 : 1;
-	return compare_items(x, y);
-}
-
-void
-bake_frame_sort(struct frame_item **items, int n,
-    int (*compare)(const void *, const void *))
-{
-	enum { FEW = 24 };
-
-	if (n > FEW) {
-		qsort(items, (size_t)n, sizeof *items, compare);
-		return;
+		b->uv_e[k][l] = e;
+		b->uv_f[k][l] = f;
+		sum += e + f;
 	}
-	for (int i = 1; i < n; i++) {
-		struct frame_item *it = items[i];
-		int k = i;
-
-		for (; k > 0 && compare(&items[k - 1], &it) > 0; k--)
-			items[k] = items[k - 1];
-		items[k] = it;
-	}
+	/* of a point without a UV of its own it is NaN */
+	if (isnan(sum))
+		take_uv_edges(job, corner, b, l);
 }
 
-/* -- one corner ---------------------------------------------------------- */
-
-static int
-point_of(const struct frame_job *job, const struct bake_corner *c)
+/* n corners, n at most a batch. */
+static void
+take_corners(const struct frame_job *job, const unsigned *corner, int n,
+    struct frame_bench *bench)
 {
-	return job->weld != NULL ? job->weld->first[c->v] : c->v;
+	struct frame_batch *b = bench->batch;
+
+	for (int l = 0; l < n; l++)
+		take_edges(job, corner[l], b, l);
+	job->corners(b, n);
+	/* each triangle at its corner 0 in the file */
+	for (int l = 0; l < n; l++) {
+		unsigned first;
+
+		if (b->flat_uv[l] == 0.0)
+			continue;
+		first = job->pts->triangle[corner[l] / 4].corner;
+		if ((first % 4 + corner[l] % 4) % 3 == 0 &&
+		    corners_of_file(job, corner[l]).has_uvs)
+			bench->flat_uvs++;
+	}
 }
 
 /* What the file says of a corner. */
@@ -210,10 +101,11 @@ static void
 take_file_item(const struct bake_mesh *m, const struct bake_corner *c,
     struct frame_item *it)
 {
+	it->normal = it->tangent = NULL;
 	if (c->vn >= 0) {
 		const double *fn = m->normals[c->vn];
 
-		if (dot(fn, fn) > 0.0)
+		if (frame_dot(fn, fn) > 0.0)
 			it->normal = fn;
 		if (m->tangents != NULL && m->tangents[c->vn][3] != 0.0)
 			it->tangent = m->tangents[c->vn];
@@ -222,284 +114,234 @@ take_file_item(const struct bake_mesh *m, const struct bake_corner *c,
 	it->uv = it->has_uv ? m->uvs[c->vt] : NULL;
 }
 
-/* A corner: its item, but for what the kernel finds, and the kernel's input. */
+/* Lane l as an item. */
 static void
-take_corner(const struct frame_job *job, int corner, struct frame_item *it,
-    struct frame_batch *b, int l)
+make_item(const struct frame_job *job, unsigned corner,
+    const struct frame_batch *b, int l, struct frame_item *it)
 {
 	const struct bake_mesh *m = job->mesh;
-	int triangle = corner / 3, k0 = corner - 3 * triangle;
-	const struct bake_corner *t = m->triangles[triangle], *c = &t[k0];
-	const struct bake_corner *next = &t[k0 == 2 ? 0 : k0 + 1];
-	const struct bake_corner *prev = &t[k0 == 0 ? 2 : k0 - 1];
-	const double *p = m->positions[point_of(job, c)], *pn, *pp;
-	bool has_uvs = c->vt >= 0 && next->vt >= 0 && prev->vt >= 0;
+	const struct bake_point_triangle *p = &job->pts->triangle[corner / 4];
+	const struct turned t = corners_of_file(job, corner);
+	unsigned k0 = corner % 4, triangle = p->corner / 4;
+	ptrdiff_t in_file = t.c[0] - m->triangles[triangle];
 
-	it->normal = it->tangent = NULL;
-	it->frame = &job->frames->frame[job->frames->frame_of[triangle][k0]];
-	take_file_item(m, c, it);
-	it->next = point_of(job, next);
-	it->prev = point_of(job, prev);
-	pn = m->positions[it->next];
-	pp = m->positions[it->prev];
+	take_file_item(m, t.c[0], it);
+	it->frame =
+	    &job->frames->frame[job->frames->frame_of[triangle][in_file]];
+	it->next = (int)p->p[next_of[k0]];
+	it->prev = (int)p->p[prev_of[k0]];
+	it->uv_next = t.has_uvs ? m->uvs[t.c[1]->vt] : NULL;
+	it->uv_prev = t.has_uvs ? m->uvs[t.c[2]->vt] : NULL;
 	for (int k = 0; k < 3; k++) {
-		b->e[k][l] = pn[k] - p[k];
-		b->f[k][l] = pp[k] - p[k];
+		it->wn[k] = b->wn[k][l];
+		it->ps[k] = b->ps[k][l];
+		it->pt[k] = b->pt[k][l];
 	}
-	it->uv_next = has_uvs ? m->uvs[next->vt] : NULL;
-	it->uv_prev = has_uvs ? m->uvs[prev->vt] : NULL;
-	for (int k = 0; k < 2; k++) {
-		b->uv_e[k][l] = has_uvs ? it->uv_next[k] - it->uv[k] : 0.0;
-		b->uv_f[k][l] = has_uvs ? it->uv_prev[k] - it->uv[k] : 0.0;
-	}
+	it->angle = b->angle[l];
+	it->side = (int)b->side[l];
 }
 
-/* n corners of the adjacency, n at most a batch. */
-static void
-take_corners(const struct frame_job *job, const int *corner, int n,
-    struct frame_item *items, struct frame_batch *b)
+/* -- the usual point ------------------------------------------------------ */
+
+enum { FEW = 8 };
+
+/*
+ * The order of up to FEW values, which differ: without branches, for which is
+ * the larger cannot be foretold, and that takes as long as all else. False
+ * where two are equal. x must be readable up to FEW, whatever is there.
+ */
+static inline bool
+rank(const double *x, int n, unsigned char order[FEW])
 {
-	for (int l = 0; l < n; l++)
-		take_corner(job, corner[l], &items[l], b, l);
-	job->corners(b, n);
-	for (int l = 0; l < n; l++) {
-		struct frame_item *it = &items[l];
+	long long place[FEW] = { 0 };
+	unsigned places = 0;
 
-		for (int k = 0; k < 3; k++) {
-			it->wn[k] = b->wn[k][l];
-			it->ps[k] = b->ps[k][l];
-			it->pt[k] = b->pt[k][l];
-		}
-		it->angle = b->angle[l];
-		it->side = (int)b->side[l];
-	}
-}
-
-/* -- one point ----------------------------------------------------------- */
-
-/* The file's vectors of a frame: as they are where all its corners have the
- * same, else their mean by angles. Not yet of unit length then. */
-static void
-take_file_vectors(
-    const struct frame_job *job, struct frame_item *const *items, int n)
-{
-	bool tangents = job->params->tangents == BAKE_TANGENTS_FILE;
-	bool normals = job->params->normals != BAKE_NORMALS_COMPUTED;
-
+	for (int k = 0; k < n; k++)
+		for (int i = 0; i < FEW; i++)
+			place[i] += x[k] < x[i];
 	for (int i = 0; i < n; i++) {
-		struct bake_frame *f = items[i]->frame;
-		const double *fn = items[i]->normal, *ft = items[i]->tangent;
-
-		if (normals && fn != NULL &&
-		    !(f->flags & BAKE_FRAME_NORMAL_FILE)) {
-			memcpy(f->normal, fn, sizeof f->normal);
-			f->flags |= BAKE_FRAME_NORMAL_FILE;
-		} else if (normals && fn != NULL &&
-			   compare_values(f->normal, fn, 3) != 0) {
-			f->flags |= MIXED_NORMALS;
-		}
-		if (tangents && ft != NULL &&
-		    !(f->flags & BAKE_FRAME_TANGENT_FILE)) {
-			memcpy(f->tangent, ft, sizeof f->tangent);
-			f->hand = ft[3] < 0.0 ? -1 : 1;
-			f->flags |= BAKE_FRAME_TANGENT_FILE;
-		} else if (tangents && ft != NULL &&
-			   compare_values(f->tangent, ft, 3) != 0) {
-			f->flags |= MIXED_TANGENTS;
-		}
+		order[place[i]] = (unsigned char)i;
+		places |= 1u << place[i];
 	}
+	return places == (1u << n) - 1;
 }
 
-static void
-mix_file_vectors(struct frame_item *const *items, int n)
+/* The one vector of the file that all corners have, or NULL; false where they
+ * have several. */
+static bool
+find_file_vectors(const struct frame_job *job, const unsigned *corner, int n,
+    struct frame_item *it)
 {
-	for (int pass = 0; pass < 2; pass++)
-		for (int i = 0; i < n; i++) {
-			struct bake_frame *f = items[i]->frame;
-			const struct frame_item *it = items[i];
+	const struct bake_corner *first = corners_of_file(job, corner[0]).c[0];
 
-			if (it->normal != NULL && f->flags & MIXED_NORMALS) {
-				if (pass == 0)
-					memset(f->normal, 0, sizeof f->normal);
-				else
-					add_scaled(
-					    f->normal, it->angle, it->normal);
-			}
-			if (it->tangent != NULL && f->flags & MIXED_TANGENTS) {
-				if (pass == 0)
-					memset(
-					    f->tangent, 0, sizeof f->tangent);
-				else
-					add_scaled(
-					    f->tangent, it->angle, it->tangent);
-			}
-		}
+	for (int i = 1; i < n; i++)
+		if (corners_of_file(job, corner[i]).c[0]->vn != first->vn)
+			return false;
+	take_file_item(job->mesh, first, it);
+	return true;
 }
 
-/* Items of one group: their mean gradients, into all their frames. */
-static void
-take_gradients(struct frame_item *const *items, int n)
+/* bake_frame_items() for corners of one frame whose order their normals' first
+ * components give, from lane l on; false where it is not so. */
+static bool
+do_plain(const struct frame_job *job, const unsigned *corner, int n,
+    const struct frame_batch *b, int l, struct bake_frame *f, double normal[3])
 {
+	unsigned char order[FEW];
 	double weight[2] = { 0.0, 0.0 }, ps[3] = { 0.0 }, pt[3] = { 0.0 };
-	int side, flags = 0;
+	double w, unit = 1.0 / job->pts->scale;
+	int side;
 
-	for (int i = 0; i < n; i++)
-		if (items[i]->side != 0)
-			weight[items[i]->side < 0] += items[i]->angle;
+	if (!rank(&b->wn[0][l], n, order))
+		return false;
+	if (job->has_file_vectors && n > 0) {
+		struct frame_item it;
+		struct frame_item *items = &it;
+
+		if (!find_file_vectors(job, corner, n, &it))
+			return false;
+		it.frame = f;
+		bake_frame_take_file(job, &items, 1);
+	}
+	memset(normal, 0, 3 * sizeof *normal);
+	for (int i = 0; i < n; i++) {
+		int k = l + order[i];
+
+		for (int c = 0; c < 3; c++)
+			normal[c] += b->wn[c][k];
+		/* either, or none */
+		weight[0] += b->side[k] > 0.0 ? b->angle[k] : 0.0;
+		weight[1] += b->side[k] < 0.0 ? b->angle[k] : 0.0;
+	}
+	bake_frame_normalize(normal);
 	side = weight[1] > weight[0] ? -1 : 1;
 	for (int i = 0; i < n; i++) {
-		if (items[i]->side != side)
-			continue;
-		add_scaled(ps, items[i]->angle, items[i]->ps);
-		add_scaled(pt, items[i]->angle, items[i]->pt);
+		int k = l + order[i];
+		double angle = b->side[k] == side ? b->angle[k] : 0.0;
+
+		for (int c = 0; c < 3; c++) {
+			ps[c] += angle * b->ps[c][k];
+			pt[c] += angle * b->pt[c][k];
+		}
 	}
 	if (weight[0] > 0.0 && weight[1] > 0.0)
-		flags |= BAKE_FRAME_MIRROR_MIXED;
-	for (int i = 0; i < n; i++) {
-		struct bake_frame *f = items[i]->frame;
+		f->flags |= BAKE_FRAME_MIRROR_MIXED;
+	if (!(f->flags & BAKE_FRAME_TANGENT_FILE))
+		f->hand = side;
+	w = weight[side < 0];
+	for (int c = 0; c < 3 && w > 0.0; c++) {
+		f->ps[c] = ps[c] / w * unit;
+		f->pt[c] = pt[c] / w * unit;
+	}
+	return true;
+}
 
-		f->flags |= flags;
-		if (!(f->flags & BAKE_FRAME_TANGENT_FILE))
-			f->hand = side;
-		for (int k = 0; k < 3; k++) {
-			/* stays 0 where there is no weight */
-			double w = weight[side < 0];
+/* -- points ---------------------------------------------------------------- */
 
-			f->ps[k] = w > 0.0 ? ps[k] / w : 0.0;
-			f->pt[k] = w > 0.0 ? pt[k] / w : 0.0;
+static void
+count_flags(struct frame_bench *bench, int flags)
+{
+	bench->normal_none += (flags & BAKE_FRAME_NORMAL_NONE) != 0;
+	bench->tangent_none += (flags & BAKE_FRAME_TANGENT_NONE) != 0;
+	bench->mirror_mixed += (flags & BAKE_FRAME_MIRROR_MIXED) != 0;
+}
+
+/* By its members: compilers clear a whole struct of this size by an
+ * instruction that waits for all stores before it, here to far memory. */
+static inline void
+clear(struct bake_frame *f, const struct bake_site *site)
+{
+	f->v = site->v;
+	f->vt = site->vt;
+	f->flags = 0;
+	f->hand = 1;
+	for (int k = 0; k < 3; k++)
+		f->normal[k] = f->tangent[k] = f->ps[k] = f->pt[k] = 0.0;
+}
+
+/* Point p, whose corners begin at lane l of the batch, or which has more of
+ * them than a batch. */
+static void
+do_point(
+    const struct frame_job *job, size_t p, int l, struct frame_bench *bench)
+{
+	const struct bake_points *pts = job->pts;
+	const unsigned *corner = pts->corner + pts->first[p];
+	int n = (int)(pts->first[p + 1] - pts->first[p]);
+	const struct bake_site *site = pts->site + pts->first_site[p];
+	int nsites = pts->first_site[p + 1] - pts->first_site[p];
+	struct bake_frame *frames = job->frames->frame;
+	double normal[3];
+
+	if (nsites == 1 && n <= FEW) {
+		/* complete before it goes to where memory is slow */
+		struct bake_frame f;
+
+		clear(&f, site);
+		if (do_plain(job, corner, n, bench->batch, l, &f, normal)) {
+			bake_frame_finish(&f, normal);
+			count_flags(bench, f.flags);
+			frames[site->frame] = f;
+			return;
 		}
+	}
+	for (int i = 0; i < nsites; i++)
+		clear(&frames[site[i].frame], &site[i]);
+	for (int i = 0; i < n; i++) {
+		int at = i % BAKE_FRAME_BATCH, rest = n - i;
+
+		if (n > BAKE_FRAME_BATCH && at == 0)
+			take_corners(job, corner + i,
+			    rest < BAKE_FRAME_BATCH ? rest : BAKE_FRAME_BATCH,
+			    bench);
+		make_item(job, corner[i], bench->batch,
+		    n > BAKE_FRAME_BATCH ? at : l + i, &bench->items[i]);
+	}
+	bake_frame_items(job, n, bench, normal);
+	for (int i = 0; i < nsites; i++) {
+		bake_frame_finish(&frames[site[i].frame], normal);
+		count_flags(bench, frames[site[i].frame].flags);
 	}
 }
 
+/* What points a little later need and what lies in the file's order. */
 static void
-do_point(const struct frame_job *job, int p, struct frame_item *items, int n,
-    const struct frame_bench *bench)
+fetch_ahead(const struct frame_job *job, size_t first, size_t last)
 {
-	struct frame_item **order = bench->order;
-	double *normal = job->point_normal[p];
-	bool one_uv = true;
-	int mixed = 0;
+	const struct bake_points *pts = job->pts;
 
-	memset(normal, 0, sizeof job->point_normal[p]);
-	for (int i = 0; i < n; i++) {
-		order[i] = &items[i];
-		one_uv = one_uv && bake_frame_compare_uv(&items[i], items) == 0;
-	}
-	bake_frame_sort(order, n, by_value);
-	for (int i = 0; i < n; i++)
-		add_scaled(normal, 1.0, order[i]->wn);
-	normalize(normal);
-	take_file_vectors(job, order, n);
-	for (int i = 0; i < n; i++)
-		mixed |= order[i]->frame->flags;
-	if (mixed & (MIXED_NORMALS | MIXED_TANGENTS))
-		mix_file_vectors(order, n);
-	if (one_uv) {
-		take_gradients(order, n);
-		return;
-	}
-	bake_frame_group(order, n, bench->spokes);
-	bake_frame_sort(order, n, by_group);
-	for (int i = 0, end; i < n; i = end) {
-		for (end = i + 1; end < n && order[i]->head == order[end]->head;
-		     end++)
-			;
-		take_gradients(order + i, end - i);
+	for (int i = pts->first_site[first]; i < pts->first_site[last]; i++) {
+		const char *f =
+		    (const char *)&job->frames->frame[pts->site[i].frame];
+
+		__builtin_prefetch(f, 1);
+		__builtin_prefetch(f + 64, 1);
+		__builtin_prefetch(f + sizeof(struct bake_frame) - 1, 1);
 	}
 }
 
 void
-bake_frame_points(const struct frame_job *job, int first, int end,
-    const struct frame_bench *bench)
+bake_frame_points(const struct frame_job *job, size_t first, size_t end,
+    struct frame_bench *bench)
 {
-	const int *start = job->adj->start;
+	const unsigned *start = job->pts->first;
 
 	while (first < end) {
-		int last = first + 1, n;
+		size_t last = first + 1, ahead;
+		int n;
 
 		/* whole points, as many as there is room for */
 		while (last < end &&
 		       start[last + 1] - start[first] <= BAKE_FRAME_BATCH)
 			last++;
-		n = start[last] - start[first];
-		for (int i = 0; i < n; i += BAKE_FRAME_BATCH)
-			take_corners(job, job->adj->corner + start[first] + i,
-			    n - i < BAKE_FRAME_BATCH ? n - i : BAKE_FRAME_BATCH,
-			    bench->items + i, bench->batch);
-		for (int p = first; p < last; p++)
-			do_point(job, p,
-			    bench->items + (start[p] - start[first]),
-			    start[p + 1] - start[p], bench);
+		ahead = last + (last - first);
+		fetch_ahead(job, last, ahead < end ? ahead : end);
+		n = (int)(start[last] - start[first]);
+		if (n <= BAKE_FRAME_BATCH)
+			take_corners(
+			    job, job->pts->corner + start[first], n, bench);
+		for (size_t p = first; p < last; p++)
+			do_point(job, p, (int)(start[p] - start[first]), bench);
 		first = last;
 	}
-}
-
-/* -- one frame ----------------------------------------------------------- */
-
-static bool
-make_orthogonal(double x[3], const double normal[3])
-{
-	double size = sqrt(dot(x, x)), along = dot(x, normal);
-
-	add_scaled(x, -along, normal);
-	return sqrt(dot(x, x)) > 1e-9 * size && normalize(x);
-}
-
-/* Any direction in the plane: of the axis that is farthest from the normal. */
-static void
-any_tangent(struct bake_frame *f)
-{
-	int k = 0;
-
-	for (int i = 1; i < 3; i++)
-		if (fabs(f->normal[i]) < fabs(f->normal[k]))
-			k = i;
-	memset(f->tangent, 0, sizeof f->tangent);
-	f->tangent[k] = 1.0;
-	make_orthogonal(f->tangent, f->normal);
-	f->hand = 1;
-	f->flags &= ~BAKE_FRAME_TANGENT_FILE;
-	f->flags |= BAKE_FRAME_TANGENT_NONE;
-	memcpy(f->ps, f->tangent, sizeof f->ps);
-	cross(f->normal, f->tangent, f->pt);
-}
-
-void
-bake_frame_finish(const struct frame_job *job, struct bake_frame *f)
-{
-	int p = job->weld != NULL ? job->weld->first[f->v] : f->v;
-	double b[3], side;
-	bool has_gradients = dot(f->ps, f->ps) > 0.0;
-
-	if (!(f->flags & BAKE_FRAME_NORMAL_FILE) || !normalize(f->normal)) {
-		f->flags &= ~BAKE_FRAME_NORMAL_FILE;
-		memcpy(f->normal, job->point_normal[p], sizeof f->normal);
-	}
-	if (!(dot(f->normal, f->normal) > 0.0)) {
-		f->flags |= BAKE_FRAME_NORMAL_NONE;
-		f->normal[0] = f->normal[1] = 0.0;
-		f->normal[2] = 1.0;
-	}
-	f->flags &= ~(MIXED_NORMALS | MIXED_TANGENTS);
-	if (f->flags & BAKE_FRAME_TANGENT_FILE &&
-	    make_orthogonal(f->tangent, f->normal)) {
-		if (has_gradients)
-			return;
-		/* a direction, but no length */
-		memcpy(f->ps, f->tangent, sizeof f->ps);
-		cross(f->normal, f->tangent, f->pt);
-		for (int k = 0; k < 3; k++)
-			f->pt[k] *= f->hand;
-		return;
-	}
-	f->flags &= ~BAKE_FRAME_TANGENT_FILE;
-	memcpy(f->tangent, f->ps, sizeof f->tangent);
-	if (!has_gradients || !make_orthogonal(f->tangent, f->normal)) {
-		any_tangent(f);
-		return;
-	}
-	cross(f->normal, f->tangent, b);
-	side = dot(b, f->pt);
-	if (side != 0.0)
-		f->hand = side < 0.0 ? -1 : 1;
 }

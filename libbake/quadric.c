@@ -11,10 +11,7 @@
 #include "mem.h"
 #include "quadric_priv.h"
 
-enum {
-	LANES = BAKE_QUADRIC_LANES,
-	CHUNK = 32 /* batches that a thread takes at a time */
-};
+enum { LANES = BAKE_QUADRIC_LANES, CHUNK = BAKE_QUADRIC_CHUNK };
 
 /* -- threads -------------------------------------------------------------- */
 
@@ -60,47 +57,87 @@ report(const struct bake_quadric_job *job, size_t done)
 		    p->arg, (double)done / (double)(job->frames->nframes + 1));
 }
 
+/* Which points from first to before end have frames whose normals differ by
+ * more than a degree. */
 static void
-work(const struct bake_quadric_job *job, struct bake_quadric_bench *w,
-    size_t chunk, size_t *done)
+find_creased(const struct bake_quadric_job *job, struct bake_quadric_bench *w,
+    size_t first, size_t end)
 {
-	size_t begin = chunk * CHUNK * LANES;
-	size_t end = begin + CHUNK * LANES, total;
+	const struct bake_frame *f = job->frames->frame;
 
-	if (end > job->frames->nframes)
-		end = job->frames->nframes;
-	for (size_t i = begin; i < end; i += LANES)
-		bake_quadric_fit_batch(job, w, job->sites + i,
-		    end - i < LANES ? (int)(end - i) : LANES,
-		    job->sites + job->frames->nframes);
+	for (size_t p = first; p < end; p++) {
+		const struct bake_site *site =
+		    job->pts.site + job->pts.first_site[p];
+		int n = job->pts.first_site[p + 1] - job->pts.first_site[p];
+
+		w->creased[p - first] = false;
+		for (int i = 1; i < n; i++) {
+			const double *a = f[site[0].frame].normal;
+			const double *b = f[site[i].frame].normal;
+
+			if (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] <
+			    0.99984769515639124) /* cos 1 degree */
+				w->creased[p - first] = true;
+		}
+	}
+}
+
+/* A chunk of points, the first with what is of no point. */
+static void
+work(const struct bake_quadric_job *job, size_t chunk, size_t *done,
+    struct bake_quadric_bench *w)
+{
+	const int *start = job->pts.first_site;
+	const struct bake_site *site = job->pts.site;
+	size_t n = job->pts.n, first = chunk * CHUNK;
+	size_t end = n - first < CHUNK ? n : first + CHUNK, total;
+	int begin = chunk > 0 ? start[first] : 0;
+
+	/* while they are made, the frames are near */
+	if (job->frames_first != NULL)
+		bake_frame_points(job->frames_first, first, end,
+		    &job->frames_first->benches[omp_get_thread_num()]);
+	w->first = first;
+	if (job->params->creases)
+		find_creased(job, w, first, end);
+	for (int i = begin; i < start[end]; i += LANES)
+		bake_quadric_fit_batch(job, w, site + i,
+		    start[end] - i < LANES ? start[end] - i : LANES,
+		    site + job->frames->nframes);
 #pragma omp atomic capture
-	total = *done += end - begin;
+	total = *done += (size_t)(start[end] - begin);
 	report(job, total);
 }
 
 static enum bake_status
 run(const struct bake_quadric_job *job, struct bake_err *err)
 {
-	size_t nchunks =
-	    (job->frames->nframes + CHUNK * LANES - 1) / (CHUNK * LANES);
+	/* chunks for which another thread pays: about a millisecond */
+	enum { ENOUGH = 8 };
+	size_t nchunks = (job->pts.n + CHUNK - 1) / CHUNK, done = 0;
 	int nthreads = bake_threads(job->params->nthreads);
 	enum bake_status rc = BAKE_OK;
 	struct bake_quadric_bench *benches;
-	size_t done = 0;
 
-	if ((size_t)nthreads > nchunks)
-		nthreads = nchunks > 0 ? (int)nchunks : 1;
+	/* frames of no point */
+	nchunks = nchunks > 0 ? nchunks : 1;
+	if ((size_t)nthreads > (nchunks + ENOUGH - 1) / ENOUGH)
+		nthreads = (int)((nchunks + ENOUGH - 1) / ENOUGH);
 	benches = bake_zalloc((size_t)nthreads, sizeof *benches, err);
 	if (benches == NULL)
 		return BAKE_ENOMEM;
+	if (job->frames_first != NULL)
+		rc = bake_frame_start(job->frames_first, nthreads, err);
 	for (int t = 0; t < nthreads && rc == BAKE_OK; t++)
 		rc = make_bench(&benches[t], job->pts.n, err);
 #pragma omp parallel for num_threads(nthreads) schedule(dynamic)
 	for (size_t c = 0; c < (rc == BAKE_OK ? nchunks : 0); c++)
-		work(job, &benches[omp_get_thread_num()], c, &done);
+		work(job, c, &done, &benches[omp_get_thread_num()]);
 	for (int t = 0; t < nthreads; t++)
 		free_bench(&benches[t]);
 	free(benches);
+	if (job->frames_first != NULL)
+		bake_frame_end(job->frames_first);
 	return rc;
 }
 
@@ -113,9 +150,7 @@ is_positive(double v)
 }
 
 static enum bake_status
-check(const struct bake_mesh *mesh, const struct bake_weld *weld,
-    const struct bake_frames *frames, const struct bake_quadric_params *p,
-    struct bake_err *err)
+check(const struct bake_quadric_params *p, struct bake_err *err)
 {
 	if (p->model != BAKE_QUADRIC_FULL && p->model != BAKE_QUADRIC_AB)
 		return bake_fail(
@@ -133,6 +168,13 @@ check(const struct bake_mesh *mesh, const struct bake_weld *weld,
 	if (p->depth != 0 && !is_positive(p->depth))
 		return bake_fail(err, BAKE_EINVAL,
 		    "a depth of %g, expected a positive number", p->depth);
+	return BAKE_OK;
+}
+
+static enum bake_status
+check_mesh(const struct bake_mesh *mesh, const struct bake_weld *weld,
+    const struct bake_frames *frames, struct bake_err *err)
+{
 	if (weld != NULL && weld->npositions != mesh->npositions)
 		return bake_fail(err, BAKE_EINVAL,
 		    "the weld is of %zu positions, the mesh has %zu",
@@ -148,49 +190,59 @@ check(const struct bake_mesh *mesh, const struct bake_weld *weld,
 
 /* Frames by the numbers of their points; those of no point first. */
 static enum bake_status
-order_frames(struct bake_quadric_job *job, struct bake_err *err)
+order_frames(const struct bake_mesh *mesh, const struct bake_frames *frames,
+    struct bake_points *pts, struct bake_err *err)
 {
-	size_t n = job->frames->nframes, npoints = job->pts.n;
-	const struct bake_frame *f = job->frames->frame;
-	int *start = bake_zalloc(npoints + 2, sizeof *start, err);
+	const struct bake_frame *f = frames->frame;
+	int *start = pts->first_site;
+	enum bake_status rc =
+	    bake_points_room_for_sites(mesh, frames->nframes, pts, err);
 
-	job->sites = bake_alloc(n, sizeof *job->sites, err);
-	if (start == NULL || job->sites == NULL) {
-		free(start);
-		return BAKE_ENOMEM;
-	}
-	for (size_t i = 0; i < n; i++)
-		start[job->pts.of[f[i].v] + 2]++;
-	for (size_t k = 1; k < npoints + 2; k++)
-		start[k] += start[k - 1];
-	for (size_t i = 0; i < n; i++) {
-		int p = job->pts.of[f[i].v];
+	if (rc != BAKE_OK)
+		return rc;
+	for (size_t i = 0; i < frames->nframes; i++)
+		start[pts->place[f[i].v].point + 2]++;
+	for (size_t p = 0; p < pts->n + 1; p++)
+		start[p + 1] += start[p];
+	for (size_t i = 0; i < frames->nframes; i++) {
+		int p = pts->place[f[i].v].point;
 
-		job->sites[start[p + 1]++] =
-		    (struct bake_quadric_site){ (int)i, p };
+		pts->site[start[p + 1]++] =
+		    (struct bake_site){ (int)i, p, f[i].v, f[i].vt };
 	}
-	free(start);
 	return BAKE_OK;
 }
 
-/* Frames of one point whose normals differ by more than a degree. */
-static void
-mark_creases(const struct bake_quadric_job *job)
+static struct bake_quadric_job
+make_job(const struct bake_mesh *mesh, const struct bake_frames *frames,
+    const struct bake_quadric_params *params)
 {
-	const struct bake_frame *f = job->frames->frame;
-	size_t n = job->frames->nframes;
+	static void (*const solvers[])(struct bake_quadric_batch *) =
+	    BAKE_KERNEL_TABLE(bake_quadric_solve);
 
-	for (size_t i = 0, first = 0; i < n; i++) {
-		const double *a = f[job->sites[first].frame].normal;
-		const double *b = f[job->sites[i].frame].normal;
-		int p = job->sites[i].point;
+	return (struct bake_quadric_job){ .mesh = mesh,
+		.frames = frames,
+		.params = params,
+		.pts = BAKE_POINTS_INIT,
+		.solve = solvers[bake_isa_pick()],
+		.nterms = params->model == BAKE_QUADRIC_AB ? 2
+			  : params->order == 3             ? 9
+							   : 5,
+		.ring = params->ring };
+}
 
-		if (p != job->sites[first].point)
-			first = i;
-		else if (p >= 0 && a[0] * b[0] + a[1] * b[1] + a[2] * b[2] <
-				       0.99984769515639124) /* cos 1 degree */
-			job->pts.point[p].flags |= BAKE_QUADRIC_CREASE;
-	}
+static enum bake_status
+connect_and_run(struct bake_quadric_job *job, struct bake_err *err)
+{
+	const struct bake_progress *progress = &job->params->progress;
+	enum bake_status rc =
+	    bake_quadric_connect(&job->pts, job->params->creases, err);
+
+	if (rc == BAKE_OK)
+		rc = run(job, err);
+	if (rc == BAKE_OK && progress->report != NULL)
+		progress->report(progress->arg, 1);
+	return rc;
 }
 
 enum bake_status
@@ -198,33 +250,56 @@ bake_quadric_fit(const struct bake_mesh *mesh, const struct bake_weld *weld,
     const struct bake_frames *frames, const struct bake_quadric_params *params,
     struct bake_quadric *out, struct bake_err *err)
 {
-	static void (*const solvers[])(struct bake_quadric_batch *) =
-	    BAKE_KERNEL_TABLE(bake_quadric_solve);
-	struct bake_quadric_job job = { .mesh = mesh,
-		.frames = frames,
-		.params = params,
-		.out = out,
-		.pts = BAKE_QUADRIC_POINTS_INIT,
-		.sites = NULL,
-		.solve = solvers[bake_isa_pick()],
-		.nterms = params->model == BAKE_QUADRIC_AB ? 2
-			  : params->order == 3             ? 9
-							   : 5,
-		.ring = params->ring };
+	struct bake_quadric_job job = make_job(mesh, frames, params);
 	enum bake_status rc;
 
-	if ((rc = check(mesh, weld, frames, params, err)) != BAKE_OK ||
-	    (rc = bake_quadric_points(
-		 mesh, weld, params->creases, &job.pts, err)) != BAKE_OK ||
-	    (rc = order_frames(&job, err)) != BAKE_OK)
+	job.out = out;
+	if ((rc = check(params, err)) == BAKE_OK &&
+	    (rc = check_mesh(mesh, weld, frames, err)) == BAKE_OK &&
+	    (rc = bake_points_make(mesh, weld, false, NULL, &job.pts, err)) ==
+		BAKE_OK &&
+	    (rc = order_frames(mesh, frames, &job.pts, err)) == BAKE_OK)
+		rc = connect_and_run(&job, err);
+	bake_points_free(&job.pts);
+	return rc;
+}
+
+enum bake_status
+bake_quadric_fit_mesh(const struct bake_mesh *mesh, double eps,
+    const struct bake_frame_params *frame_params,
+    const struct bake_quadric_params *params, struct bake_frames *frames,
+    struct bake_quadric **out, struct bake_err *err)
+{
+	struct bake_weld weld = BAKE_WELD_INIT;
+	struct bake_quadric_job job = make_job(mesh, frames, params);
+	struct frame_job frame_job = { .mesh = mesh,
+		.pts = &job.pts,
+		.params = frame_params,
+		.frames = frames };
+	enum bake_status rc;
+
+	*out = NULL;
+	*frames = (struct bake_frames)BAKE_FRAMES_INIT;
+	job.frames_first = &frame_job;
+	if ((rc = check(params, err)) != BAKE_OK ||
+	    (rc = bake_frame_check(mesh, frame_params, err)) != BAKE_OK)
 		goto out;
-	if (params->creases)
-		mark_creases(&job);
-	rc = run(&job, err);
-	if (rc == BAKE_OK && params->progress.report != NULL)
-		params->progress.report(params->progress.arg, 1);
+	/* equal positions are found along the curve */
+	if (eps != 0 && (rc = bake_mesh_weld(mesh, eps, &weld, err)) != BAKE_OK)
+		goto out;
+	rc = bake_points_make(
+	    mesh, eps != 0 ? &weld : NULL, true, frames, &job.pts, err);
+	if (rc != BAKE_OK)
+		goto out;
+	job.out = *out = bake_alloc(frames->nframes, sizeof **out, err);
+	rc = *out != NULL ? connect_and_run(&job, err) : BAKE_ENOMEM;
 out:
-	free(job.sites);
-	bake_quadric_points_free(&job.pts);
+	bake_weld_free(&weld);
+	bake_points_free(&job.pts);
+	if (rc != BAKE_OK) {
+		bake_frames_free(frames);
+		free(*out);
+		*out = NULL;
+	}
 	return rc;
 }

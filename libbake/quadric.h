@@ -143,7 +143,7 @@ struct bake_quadric {
  * Points are visited along a Morton curve, and neighbours in an order that
  * follows from positions alone: the same geometry with its vertices or
  * triangles in another order gives the same bits, as do any number of threads
- * and any instruction set. Memory: about 130 bytes a point and 4 more a
+ * and any instruction set. Memory: about 200 bytes a position and 4 more a
  * thread. Reentrant.
  *
  * Sources: Oliveira and Policarpo, 'An Efficient Representation for Surface
@@ -156,6 +156,30 @@ BAKE_API enum bake_status bake_quadric_fit(const struct bake_mesh *mesh,
     const struct bake_weld *weld, const struct bake_frames *frames,
     const struct bake_quadric_params *params, struct bake_quadric *out,
     struct bake_err *err);
+
+/*
+ * The frames of a mesh and a quadric for each, in one go: the same, bit for
+ * bit, as bake_mesh_weld(eps), bake_mesh_frames and bake_quadric_fit one after
+ * the other, but the mesh is put in order once, for all of them.
+ *
+ *   mesh    not modified
+ *   eps     welding distance, as for bake_mesh_weld
+ *   frame_params  as for bake_mesh_frames; its nthreads does not count, that of
+ *           params does
+ *   frames  out: BAKE_FRAMES_INIT before, the caller frees it
+ *   out     out: [frames->nframes], the caller frees it with free()
+ *   err     reason on failure; never NULL
+ *
+ * BAKE_EINVAL, BAKE_EDATA, BAKE_ENOMEM as these three have it; on any failure
+ * frames is BAKE_FRAMES_INIT and *out NULL
+ *
+ * Reentrant; same bytes for any number of threads. Memory beside the results:
+ * about 200 bytes a position, and 4 more a thread.
+ */
+BAKE_API enum bake_status bake_quadric_fit_mesh(const struct bake_mesh *mesh,
+    double eps, const struct bake_frame_params *frame_params,
+    const struct bake_quadric_params *params, struct bake_frames *frames,
+    struct bake_quadric **out, struct bake_err *err);
 
 enum { BAKE_QUADRIC_NPERCENTILES = 5 };
 

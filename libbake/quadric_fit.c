@@ -14,11 +14,11 @@ enum { LANES = BAKE_QUADRIC_LANES };
  * time: without a branch, for which of the points are new cannot be foretold.
  */
 static inline unsigned *
-append_around(struct bake_quadric_bench *w,
-    const struct bake_quadric_points *pts, unsigned p, unsigned *end)
+append_around(struct bake_quadric_bench *w, const struct bake_points *pts,
+    unsigned p, unsigned *end)
 {
-	const unsigned *around = pts->around + pts->point[p].start;
-	const unsigned *stop = pts->around + pts->point[p + 1].start;
+	const unsigned *around = pts->room + pts->point[p].start;
+	const unsigned *stop = pts->room + pts->point[p + 1].start;
 	size_t count = (size_t)(stop - around);
 	unsigned now = w->gathering, *seen = w->seen;
 
@@ -45,8 +45,8 @@ append_around(struct bake_quadric_bench *w,
 
 /* List the points within ring edges of p, but p; returns how many. */
 static int
-gather(struct bake_quadric_bench *w, const struct bake_quadric_points *pts,
-    int p, int ring)
+gather(struct bake_quadric_bench *w, const struct bake_points *pts, int p,
+    int ring)
 {
 	unsigned *begin = w->list, *end;
 
@@ -67,8 +67,8 @@ gather(struct bake_quadric_bench *w, const struct bake_quadric_points *pts,
 
 /* Put the listed neighbours of p into a lane, its rows from n to rows 0. */
 static void
-fill_lane(struct bake_quadric_bench *w, const struct bake_quadric_points *pts,
-    int p, int lane, int n, int rows)
+fill_lane(struct bake_quadric_bench *w, const struct bake_points *pts, int p,
+    int lane, int n, int rows)
 {
 	double *x = w->batch->x + lane, *y = w->batch->y + lane;
 	double *z = w->batch->z + lane;
@@ -249,7 +249,7 @@ fit_isotropic(const struct bake_quadric_job *job, struct bake_quadric_batch *b,
 static int
 ring_of(const struct bake_quadric_job *job, int p, int nterms)
 {
-	const struct bake_quadric_points *pts = &job->pts;
+	const struct bake_points *pts = &job->pts;
 
 	if (job->ring > 0)
 		return job->ring;
@@ -258,7 +258,7 @@ ring_of(const struct bake_quadric_job *job, int p, int nterms)
 	if (pts->point[p].flags & BAKE_QUADRIC_BOUNDARY)
 		return 3;
 	for (unsigned k = pts->point[p].start; k < pts->point[p + 1].start; k++)
-		if (pts->point[pts->around[k]].flags & BAKE_QUADRIC_BOUNDARY)
+		if (pts->point[pts->room[k]].flags & BAKE_QUADRIC_BOUNDARY)
 			return 3;
 	return 2;
 }
@@ -321,8 +321,7 @@ is_usable(const struct bake_frame *f)
 /* Frames are visited along the curve, which is not the order in which they lie
  * in memory: fetch what a later batch needs. */
 static inline void
-fetch_ahead(
-    const struct bake_quadric_job *job, const struct bake_quadric_site *site)
+fetch_ahead(const struct bake_quadric_job *job, const struct bake_site *site)
 {
 	const char *f = (const char *)&job->frames->frame[site->frame];
 	const char *q = (const char *)&job->out[site->frame];
@@ -333,22 +332,32 @@ fetch_ahead(
 	__builtin_prefetch(q + sizeof(struct bake_quadric) - 1, 1);
 }
 
+/* By its members: see mesh_frame_point.c. */
+static inline void
+clear(struct bake_quadric *q)
+{
+	q->a = q->b = q->c = q->a_tex = q->b_tex = q->c_tex = 0;
+	q->uvscale[0] = q->uvscale[1] = q->residual = 0;
+	q->rank = q->ring = q->neighbours = q->flags = 0;
+}
+
 /* Put a site's neighbours and frame into a lane; returns how many there are,
  * 0 also where the site cannot be fitted. */
 static int
 start_lane(const struct bake_quadric_job *job, struct bake_quadric_bench *w,
-    const struct bake_quadric_site *site, int lane, int rows)
+    const struct bake_site *site, int lane, int rows, struct bake_quadric *q)
 {
 	const struct bake_frame *f = &job->frames->frame[site->frame];
-	struct bake_quadric *q = &job->out[site->frame];
 	struct bake_quadric_batch *b = w->batch;
 	int p = site->point, n;
 
-	memset(q, 0, sizeof *q);
+	clear(q);
 	if (p < 0 || !is_usable(f))
 		return 0;
 	q->ring = ring_of(job, p, job->nterms);
 	q->flags = (int)job->pts.point[p].flags;
+	if (w->creased[(size_t)p - w->first])
+		q->flags |= BAKE_QUADRIC_CREASE;
 	n = gather(w, &job->pts, p, q->ring);
 	/* rows that no lane had before */
 	for (int k = rows; k < n; k++) {
@@ -363,17 +372,18 @@ start_lane(const struct bake_quadric_job *job, struct bake_quadric_bench *w,
 
 void
 bake_quadric_fit_batch(const struct bake_quadric_job *job,
-    struct bake_quadric_bench *w, const struct bake_quadric_site *site,
-    int count, const struct bake_quadric_site *end)
+    struct bake_quadric_bench *w, const struct bake_site *site, int count,
+    const struct bake_site *end)
 {
 	struct bake_quadric_batch *b = w->batch;
+	/* complete before they go to where memory is slow */
+	struct bake_quadric out[LANES];
 	int n[LANES], rows = 0;
 
-	memset(b->frame, 0, sizeof b->frame);
 	for (int l = 0; l < count; l++) {
 		if (end - site > LANES + l)
 			fetch_ahead(job, site + LANES + l);
-		n[l] = start_lane(job, w, site + l, l, rows);
+		n[l] = start_lane(job, w, site + l, l, rows, &out[l]);
 		/* what a lane without neighbours holds does not matter */
 		rows = n[l] > rows ? n[l] : rows;
 	}
@@ -382,22 +392,21 @@ bake_quadric_fit_batch(const struct bake_quadric_job *job,
 	if (rows > 0)
 		job->solve(b);
 	for (int l = 0; l < count; l++) {
-		struct bake_quadric *q = &job->out[site[l].frame];
-
 		if (n[l] < job->nterms || !is_determined(b, l))
 			continue;
-		take(job, b, l, site[l].point, n[l], q);
-		q->rank = job->nterms;
+		take(job, b, l, site[l].point, n[l], &out[l]);
+		out[l].rank = job->nterms;
 	}
 	/* these use the batch themselves */
 	for (int l = 0; l < count; l++) {
 		const struct bake_frame *f = &job->frames->frame[site[l].frame];
-		struct bake_quadric *q = &job->out[site[l].frame];
+		struct bake_quadric *q = &out[l];
 
 		if (q->rank == 0 && n[l] > 0)
 			fit_stubborn(job, w, f, site[l].point, q);
 		else if (q->rank == 0)
 			q->flags |= BAKE_QUADRIC_LOWERED;
 		finish(job, f, q);
+		job->out[site[l].frame] = *q;
 	}
 }

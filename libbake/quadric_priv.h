@@ -3,6 +3,8 @@
 #ifndef BAKE_QUADRIC_PRIV_H
 #define BAKE_QUADRIC_PRIV_H
 
+#include "mesh_frame_priv.h"
+#include "mesh_points_priv.h"
 #include "quadric.h"
 
 /* Fits that are solved side by side; the arrays' innermost dimension,
@@ -50,57 +52,14 @@ void bake_quadric_solve_baseline(struct bake_quadric_batch *batch);
 void bake_quadric_solve_avx2(struct bake_quadric_batch *batch);
 void bake_quadric_solve_avx512(struct bake_quadric_batch *batch);
 
-/* A point: two of them fill a cache line. */
-struct bake_quadric_point {
-	double p[3]; /* position times scale */
-	unsigned start;
-	unsigned flags; /* BAKE_QUADRIC_BOUNDARY, BAKE_QUADRIC_CREASE */
-};
-
 /*
- * The points that triangles use, numbered along a Morton curve (ties by their
- * coordinates, which differ), and their neighbours.
- *
- *   scale   a power of two that brings half the largest coordinate difference
- *           to 0.25 .. 0.5
- *   of      [mesh->npositions] number of the point, -1 where none uses it
- *   point   [n + 1], the last for its start alone
- *   around  neighbours of i: around[point[i].start] .. around[point[i +
- *           1].start - 1], each once, in an order that follows from the
- *           geometry
+ * Who is next to whom: neighbours of point i are room[point[i].start] ..
+ * room[point[i + 1].start - 1], each once, in an order that follows from the
+ * geometry; and point[i].flags becomes BAKE_QUADRIC_BOUNDARY and, where it is
+ * asked for, BAKE_QUADRIC_CREASE.
  */
-struct bake_quadric_points {
-	void *block; /* what the arrays are in */
-	size_t n;
-	double scale;
-	int *of;
-	struct bake_quadric_point *point;
-	unsigned *around;
-};
-#define BAKE_QUADRIC_POINTS_INIT                                               \
-	{                                                                      \
-		NULL, 0, 1, NULL, NULL, NULL                                   \
-	}
-
-enum bake_status bake_quadric_points(const struct bake_mesh *mesh,
-    const struct bake_weld *weld, bool creases,
-    struct bake_quadric_points *points, struct bake_err *err);
-void bake_quadric_points_free(struct bake_quadric_points *points);
-
-/*
- * The first part of that: find the points, whose representatives have of[] = 0
- * and all other positions -1, and number them along the curve; sets n, scale,
- * of[] of the representatives, and the points' p. one and two are scratch, each
- * of BAKE_QUADRIC_PLACE bytes for each position.
- */
-enum { BAKE_QUADRIC_PLACE = 16 };
-enum bake_status bake_quadric_number(const struct bake_mesh *mesh, void *one,
-    void *two, struct bake_quadric_points *points, struct bake_err *err);
-
-/* A frame and its point; -1: none. */
-struct bake_quadric_site {
-	int frame, point;
-};
+enum bake_status bake_quadric_connect(
+    struct bake_points *pts, bool creases, struct bake_err *err);
 
 /* The whole computation. */
 struct bake_quadric_job {
@@ -108,15 +67,21 @@ struct bake_quadric_job {
 	const struct bake_frames *frames;
 	const struct bake_quadric_params *params;
 	struct bake_quadric *out;
-	struct bake_quadric_points pts;
-	struct bake_quadric_site
-	    *sites; /* [nframes] in the order of their points */
+	struct bake_points pts;         /* with sites */
+	struct frame_job *frames_first; /* frames still to be made, or NULL */
 	void (*solve)(struct bake_quadric_batch *batch);
 	int nterms, ring; /* what is asked for */
 };
 
-/* What a thread works with. */
+/*
+ * What a thread works with: a chunk of points at a time, from first on.
+ *   creased  which of them have frames whose normals differ by more than a
+ *            degree
+ */
+enum { BAKE_QUADRIC_CHUNK = 256 };
 struct bake_quadric_bench {
+	size_t first;
+	bool creased[BAKE_QUADRIC_CHUNK];
 	unsigned *seen; /* [points] the latest gathering that met it */
 	unsigned gathering;
 	unsigned *list; /* [BAKE_QUADRIC_ROWS + 1] neighbours, by rings */
@@ -126,7 +91,7 @@ struct bake_quadric_bench {
 /* The fits of up to BAKE_QUADRIC_LANES sites, into job->out; end is that of all
  * sites. */
 void bake_quadric_fit_batch(const struct bake_quadric_job *job,
-    struct bake_quadric_bench *bench, const struct bake_quadric_site *site,
-    int count, const struct bake_quadric_site *end);
+    struct bake_quadric_bench *bench, const struct bake_site *site, int count,
+    const struct bake_site *end);
 
 #endif

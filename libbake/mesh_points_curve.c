@@ -6,15 +6,17 @@
 #include <string.h>
 
 #include "mem.h"
-#include "quadric_priv.h"
+#include "mesh_points_priv.h"
 
 /* A point's place on the curve: the bits of its cell of a 2^16 cube grid,
  * interleaved. */
-struct place {
+struct step {
 	uint64_t key;
 	int position;
 };
 
+/* how far ahead memory is fetched that lies in the file's order */
+enum { AHEAD = 16 };
 enum { CELL_BITS = 16, DIGIT_BITS = 12, DIGITS = 4, DIGIT = 1 << DIGIT_BITS };
 
 /* the 16 bits of v, two apart */
@@ -27,23 +29,23 @@ spread(uint64_t v)
 	return (v | v << 2) & 0x249249249249u;
 }
 
-/* Radix sort of n places, in an even number of passes between the two arrays:
- * the result is in places again. Stable, so that equal keys stay in the order
+/* Radix sort of n steps, in an even number of passes between the two arrays:
+ * the result is in steps again. Stable, so that equal keys stay in the order
  * of positions until their ties are broken. */
 static void
-sort_places(
-    struct place *places, struct place *tmp, size_t n, unsigned (*count)[DIGIT])
+sort_steps(
+    struct step *steps, struct step *tmp, size_t n, unsigned (*count)[DIGIT])
 {
-	struct place *from = places, *to = tmp;
+	struct step *from = steps, *to = tmp;
 
 	memset(count, 0, DIGITS * sizeof *count);
 	for (size_t i = 0; i < n; i++)
 		for (int d = 0; d < DIGITS; d++)
 			count[d]
-			     [places[i].key >> d * DIGIT_BITS & (DIGIT - 1)]++;
+			     [steps[i].key >> d * DIGIT_BITS & (DIGIT - 1)]++;
 	for (int d = 0; d < DIGITS; d++) {
 		unsigned sum = 0;
-		struct place *swap = from;
+		struct step *swap = from;
 
 		for (int v = 0; v < DIGIT; v++) {
 			unsigned c = count[d][v];
@@ -62,7 +64,7 @@ sort_places(
 /* A point while ties are broken. */
 struct tie {
 	double p[3];
-	struct place place;
+	struct step step;
 };
 
 /* By coordinates, which no two points share unless nothing was welded. */
@@ -74,19 +76,19 @@ compare_ties(const void *a, const void *b)
 	for (int i = 0; i < 3; i++)
 		if (s->p[i] != t->p[i])
 			return s->p[i] < t->p[i] ? -1 : 1;
-	return (s->place.position > t->place.position) -
-	       (s->place.position < t->place.position);
+	return (s->step.position > t->step.position) -
+	       (s->step.position < t->step.position);
 }
 
 /* Order each run of equal keys. */
 static enum bake_status
-break_ties(struct place *places, size_t n, const double (*positions)[3],
+break_ties(struct step *steps, size_t n, const double (*positions)[3],
     struct bake_err *err)
 {
 	for (size_t i = 0, end; i < n; i = end) {
 		struct tie *run;
 
-		for (end = i + 1; end < n && places[end].key == places[i].key;)
+		for (end = i + 1; end < n && steps[end].key == steps[i].key;)
 			end++;
 		if (end == i + 1)
 			continue;
@@ -94,13 +96,13 @@ break_ties(struct place *places, size_t n, const double (*positions)[3],
 		if (run == NULL)
 			return BAKE_ENOMEM;
 		for (size_t k = i; k < end; k++) {
-			run[k - i].place = places[k];
-			memcpy(run[k - i].p, positions[places[k].position],
+			run[k - i].step = steps[k];
+			memcpy(run[k - i].p, positions[steps[k].position],
 			    sizeof run->p);
 		}
 		qsort(run, end - i, sizeof *run, compare_ties);
 		for (size_t k = i; k < end; k++)
-			places[k] = run[k - i].place;
+			steps[k] = run[k - i].step;
 		free(run);
 	}
 	return BAKE_OK;
@@ -111,12 +113,13 @@ struct box {
 	double extent; /* the largest half side */
 };
 
-/* Count the points that triangles use, and find their box. */
+/* The box of the positions to be numbered. */
 static enum bake_status
-find_points(const struct bake_mesh *mesh, struct bake_quadric_points *pts,
+find_box(const struct bake_mesh *mesh, const struct bake_place *place,
     struct box *box, struct bake_err *err)
 {
 	double hi[3];
+	size_t n = 0;
 
 	for (int c = 0; c < 3; c++) {
 		box->lo[c] = INFINITY;
@@ -125,9 +128,9 @@ find_points(const struct bake_mesh *mesh, struct bake_quadric_points *pts,
 	for (size_t v = 0; v < mesh->npositions; v++) {
 		const double *p = mesh->positions[v];
 
-		if (pts->of[v] < 0)
+		if (place[v].point < 0)
 			continue;
-		pts->n++;
+		n++;
 		for (int c = 0; c < 3; c++) {
 			if (!isfinite(p[c]))
 				return bake_fail(err, BAKE_EDATA,
@@ -138,7 +141,7 @@ find_points(const struct bake_mesh *mesh, struct bake_quadric_points *pts,
 		}
 	}
 	box->extent = 0;
-	for (int c = 0; c < 3 && pts->n > 0; c++) {
+	for (int c = 0; c < 3 && n > 0; c++) {
 		box->lo[c] /= 2;
 		hi[c] = hi[c] / 2 - box->lo[c];
 		box->extent = hi[c] > box->extent ? hi[c] : box->extent;
@@ -156,10 +159,43 @@ key_of(const double p[3], const struct box *box, double cells)
 	return key;
 }
 
+static bool
+is_same_point(const double a[3], const double b[3])
+{
+	return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* Give numbers along the curve; with exact, one to equal positions, which
+ * breaking ties has put next to each other, the first of the file in front. */
+static void
+give_numbers(const struct bake_mesh *mesh, bool exact, const struct step *steps,
+    size_t n, struct bake_points *pts)
+{
+	const double *last = NULL;
+
+	pts->n = 0;
+	for (size_t i = 0; i < n; i++) {
+		const double *p = mesh->positions[steps[i].position];
+		struct bake_point *to = &pts->point[pts->n];
+
+		if (i + AHEAD < n)
+			__builtin_prefetch(
+			    mesh->positions[steps[i + AHEAD].position]);
+		if (exact && last != NULL && is_same_point(p, last)) {
+			pts->place[steps[i].position].point = (int)pts->n - 1;
+			continue;
+		}
+		last = p;
+		pts->place[steps[i].position].point = (int)pts->n++;
+		for (int c = 0; c < 3; c++)
+			to->p[c] = p[c] * pts->scale;
+	}
+}
+
 /* Number the points along the curve. */
 static enum bake_status
-number_points(const struct bake_mesh *mesh, const struct box *box,
-    struct place *places, struct place *tmp, struct bake_quadric_points *pts,
+number_points(const struct bake_mesh *mesh, bool exact, const struct box *box,
+    struct step *steps, struct step *tmp, struct bake_points *pts,
     struct bake_err *err)
 {
 	unsigned(*count)[DIGIT] = bake_alloc(DIGITS, sizeof *count, err);
@@ -173,23 +209,15 @@ number_points(const struct bake_mesh *mesh, const struct box *box,
 	if (count == NULL)
 		return BAKE_ENOMEM;
 	for (size_t v = 0; v < mesh->npositions; v++) {
-		if (pts->of[v] < 0)
+		if (pts->place[v].point < 0)
 			continue;
-		places[n].key = key_of(mesh->positions[v], box, cells);
-		places[n++].position = (int)v;
+		steps[n].key = key_of(mesh->positions[v], box, cells);
+		steps[n++].position = (int)v;
 	}
-	sort_places(places, tmp, n, count);
-	if ((rc = break_ties(places, n, (const double(*)[3])mesh->positions,
-		 err)) != BAKE_OK)
-		goto out;
-	for (size_t i = 0; i < n; i++) {
-		const double *p = mesh->positions[places[i].position];
-
-		pts->of[places[i].position] = (int)i;
-		for (int c = 0; c < 3; c++)
-			pts->point[i].p[c] = p[c] * pts->scale;
-	}
-out:
+	sort_steps(steps, tmp, n, count);
+	rc = break_ties(steps, n, (const double(*)[3])mesh->positions, err);
+	if (rc == BAKE_OK)
+		give_numbers(mesh, exact, steps, n, pts);
 	free(count);
 	return rc;
 }
@@ -206,15 +234,15 @@ scale_of(double extent)
 }
 
 enum bake_status
-bake_quadric_number(const struct bake_mesh *mesh, void *one, void *two,
-    struct bake_quadric_points *pts, struct bake_err *err)
+bake_points_number(const struct bake_mesh *mesh, bool exact, void *one,
+    void *two, struct bake_points *pts, struct bake_err *err)
 {
 	struct box box = { { 0, 0, 0 }, 0 };
-	enum bake_status rc = find_points(mesh, pts, &box, err);
+	enum bake_status rc = find_box(mesh, pts->place, &box, err);
 
-	_Static_assert(sizeof(struct place) <= BAKE_QUADRIC_PLACE, "places");
+	_Static_assert(sizeof(struct step) <= BAKE_POINTS_STEP, "steps");
 	if (rc != BAKE_OK)
 		return rc;
 	pts->scale = scale_of(box.extent);
-	return number_points(mesh, &box, one, two, pts, err);
+	return number_points(mesh, exact, &box, one, two, pts, err);
 }
