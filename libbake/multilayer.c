@@ -16,6 +16,7 @@ struct worker {
 	int room;                            /* for layers */
 	float *row[3 * BAKE_LAYER_TEXTURES]; /* depth, nx, ny of each */
 	float *color[BAKE_LAYERS_MAX];
+	float *runs; /* a row of colours, each once */
 	struct bake_multilayer_stats stats;
 };
 
@@ -186,6 +187,7 @@ free_worker(struct worker *w)
 		free(w->row[i]);
 	for (int i = 0; i < BAKE_LAYERS_MAX; i++)
 		free(w->color[i]);
+	free(w->runs);
 }
 
 static enum bake_status
@@ -200,6 +202,9 @@ make_worker(
 		if ((w->row[i] = bake_alloc(
 			 (size_t)maps->width, 4 * sizeof(float), err)) == NULL)
 			return BAKE_ENOMEM;
+	if (maps->ncolors > 0 && (w->runs = bake_alloc((size_t)maps->width,
+				      4 * sizeof(float), err)) == NULL)
+		return BAKE_ENOMEM;
 	for (int i = 0; i < maps->ncolors; i++)
 		if ((w->color[i] = bake_alloc(
 			 (size_t)maps->width, 4 * sizeof(float), err)) == NULL)
@@ -219,6 +224,39 @@ clear_rows(struct worker *w, const struct bake_layer_maps *maps)
 		memset(w->color[i], 0, n * sizeof(float));
 }
 
+/*
+ * Encode a row of colours, run by run of equal ones: what has one colour all
+ * over, as most of what has no texture does, is converted once.
+ */
+static enum bake_status
+encode_row(const struct bake_color *color, float *row, float *runs, int width,
+    int chans, struct bake_err *err)
+{
+	const size_t size = (size_t)chans * sizeof *row;
+	struct bake_image img = { 0, 1, chans, 0, runs };
+	enum bake_status rc;
+	int run = 0;
+
+	for (int x = 0; x < width; x++)
+		if (x == 0 ||
+		    memcmp(row + (size_t)x * (size_t)chans,
+			row + (size_t)(x - 1) * (size_t)chans, size) != 0)
+			memcpy(runs + (size_t)img.width++ * (size_t)chans,
+			    row + (size_t)x * (size_t)chans, size);
+	img.row_stride = (size_t)img.width * (size_t)chans;
+	rc = bake_color_from_linear(color, "sRGB", &img, 1, err);
+	for (int x = 0; x < width && rc == BAKE_OK; x++) {
+		float *texel = row + (size_t)x * (size_t)chans;
+		/* this texel is overwritten when its neighbour was looked at */
+		bool last =
+		    x + 1 == width || memcmp(texel, texel + chans, size) != 0;
+
+		memcpy(texel, runs + (size_t)run * (size_t)chans, size);
+		run += last;
+	}
+	return rc;
+}
+
 static enum bake_status
 put_rows(const struct worker *w, const struct bake_multilayer *ml,
     struct bake_layer_maps *maps, int y, struct bake_err *err)
@@ -235,12 +273,9 @@ put_rows(const struct worker *w, const struct bake_multilayer *ml,
 		    &maps->ny[t], 0, y, maps->width, w->row[3 * t + 2]);
 	}
 	for (int i = 0; i < maps->ncolors && rc == BAKE_OK; i++) {
-		struct bake_image row = { maps->width, 1, chans,
-			(size_t)maps->width * (size_t)chans, w->color[i] };
-
 		if (!maps->color_linear)
-			rc = bake_color_from_linear(
-			    ml->params.color, "sRGB", &row, 1, err);
+			rc = encode_row(ml->params.color, w->color[i], w->runs,
+			    maps->width, chans, err);
 		if (rc == BAKE_OK)
 			bake_pixels_put(
 			    &maps->color[i], 0, y, maps->width, w->color[i]);
