@@ -25,6 +25,12 @@ warn_losses(struct cmd *cmd, const char *path, const struct bake_view *view,
 		    "%s: %zu layers lie outside the depth range and were "
 		    "clamped, %zu slabs wholly so were dropped",
 		    path, c->clamped, c->cut);
+	if (s->rays.inside_out > 0)
+		cmd_warn(cmd,
+		    "%s: %zu of %zu texels enter the solid through its inside, "
+		    "where the mesh crosses itself or a part is inside out; "
+		    "they are solid there",
+		    path, s->rays.inside_out, texels(view));
 	if (c->merged > 0)
 		cmd_note(cmd,
 		    "%s: %zu slabs are nearer to another than one code and "
@@ -48,7 +54,7 @@ multilayer_judge(struct cmd *cmd, const struct multilayer_opts *o,
 		    o->weld > 0 ? "" : "--weld EPS joins near vertices, ");
 		return false;
 	}
-	if (s->rays.inside_out > 0) {
+	if (2 * s->rays.inside_out > texels(view) - s->histogram[0]) {
 		cmd_error(cmd,
 		    "%s: %zu of %zu texels enter the solid through its inside: "
 		    "the mesh is inside out there; %s",

@@ -307,6 +307,24 @@ ok rm-multilayer --size 8x8 --flat --reorient in.obj -o ok
 ok rm-multilayer --size 8x8 --flat cube.obj -o right
 same_bytes ok_depth.png right_depth.png
 same_bytes ok_nx.png right_nx.png
+# one of two parts is inside out: solid all the same
+{
+	box 0 0 0 1 1 1
+	box 2 0 0 2.5 0.5 1 9 | awk '$1 == "f" {
+		print "f", $5, $4, $3, $2; next } { print }'
+} >mixed.obj
+{
+	box 0 0 0 1 1 1
+	box 2 0 0 2.5 0.5 1 9
+} >both.obj
+exits 0 rm-multilayer --size 20x20 --flat mixed.obj -o mixed
+stderr_one_line 'enter the solid through its inside'
+ok rm-multilayer --size 20x20 --flat both.obj -o both
+same_bytes mixed_depth.png both_depth.png
+same_bytes mixed_nx.png both_nx.png
+ok rm-multilayer --size 20x20 --flat --reorient mixed.obj -o mixed
+same_bytes mixed_depth.png both_depth.png
+
 # each face has corners of its own, some moved by a little
 awk '$1 == "v" { p[++n] = $2 " " $3 " " $4 }
     $1 == "f" {
