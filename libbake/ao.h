@@ -18,8 +18,8 @@ enum bake_ao_estimator {
 
 /*
  * How far every sample of a ray is looked at. Exact: all of it. Fast and
- * preview: the first 32 (16) steps as exact does; beyond, segments of doubling
- * length, each represented by its highest texel at one distance.
+ * preview: the first 16 (8) steps as exact does; beyond, segments of doubling
+ * length, each represented by its highest sample at one distance.
  */
 enum bake_ao_quality { BAKE_AO_EXACT, BAKE_AO_FAST, BAKE_AO_PREVIEW };
 
@@ -103,15 +103,22 @@ struct bake_ao_result {
  * or, on a clamped axis, with its border texels repeated; the reach may be
  * longer than the map.
  *
- * Fast and preview take steps 1 .. 32 (1 .. 16) as above, and the rest, its
- * end rounded up to a whole segment, in segments. One that starts at step k has
- * the largest L = 2, 4, 8 .. 1024 steps with 4 L <= k (2 L <= k). It is made of
- * L / 2 blocks of 2 x 2 texels, an odd side of the map being rounded up: with u
- * the block step (+-1, m) of the ray,
- *     P_0(b) = max of the texels of block b
- *     P_(i+1)(b) = max(P_i(b), P_i(b + round(2^i u)))
- * and its height is P_i(b_t + round(k u / 2)), 2^i = L / 2, b_t the block of
- * texel t, at distance (k - 1/2 + 0.85 (L - 1)) sqrt(1 + m^2).
+ * Fast and preview take steps 1 .. 16 (1 .. 8) as above, and the rest, its end
+ * rounded up to a whole segment, in segments. One that starts at step k has the
+ * largest L = 4, 8 .. 1024 steps with 4 L <= k (2 L <= k), or 4. It is made of
+ * L / 4 blocks of 4 texels on the major axis and one on the minor; at the map's
+ * end a block goes on as the map does. Block (u, v) holds the texels 4 u .. 4 u
+ * + 3 of row v (column v, on a y-major ray), and with s = +-1 the ray's step on
+ * its major axis, m that on the minor,
+ *     P_0(u, v) = max of the ray's samples i = 0 .. 3 in the block, at minor
+ *                 position v + i m, where i counts the texels from 4 u on for
+ *                 s > 0 and from 4 u + 3 back for s < 0; a sample between
+ *                 texels a and b is a + f (b - a), at most the map's highest
+ *     P_(i+1)(u, v) = max(P_i(u, v), P_i(u + 2^i s, v + round(4 2^i m)))
+ * For texel t in block u_t, texel i of it in the same count, and q = i, or 3/2
+ * where L >= 16, the segment's height is
+ *     P_log2(L/4)(u_t + s k / 4, v_t + round((k - q) m))
+ * at distance (k - q + 0.85 (L - 1)) sqrt(1 + m^2).
  *
  * Blur: a Gaussian of blur_sigma texels, cut off at ceil(4 sigma), wrapped
  * or clamped as the map. It replaces ao where some tan e_j > 0 (not: where
@@ -133,22 +140,24 @@ struct bake_ao_result {
  *              BAKE_IMAGE_INIT
  *
  * Accuracy: exact is within 5e-6 of the formulas in real arithmetic up to
- * S W = 256. Fast is off by 2e-4 to 2e-3 on average, on relief, smooth hills
+ * S W = 256. Fast is off by 3e-4 to 3e-3 on average, on relief, smooth hills
  * and white noise alike, which is no more than the error of 50 directions
- * themselves; preview by 7e-4 to 1e-2. Where lone spikes of one texel are all
- * there is to see, both are 8e-2 too dark, a block being wider than a spike. A
- * texel that exact leaves open may have a horizon just above 0 in fast, and the
- * blur then replaces it: on rough tops single texels differ much.
+ * themselves; preview by 1e-3 to 5e-3, and 1.3e-2 too light between thin
+ * parallel ridges. Where lone spikes of one texel are all there is to see, they
+ * are off by 1.6e-2 and 2.6e-2. A texel that exact leaves open may have a
+ * horizon just above 0 in fast, and the blur then replaces it: on rough tops
+ * single texels differ much.
  * Same bytes for every thread count and instruction set. On a torus a shifted
  * map gives the shifted result, bit for bit; fast and preview, whose blocks
- * stay where they are, do so for even shifts of an even size.
+ * stay where they are, do so for shifts by multiples of 4 of a map whose sides
+ * are such.
  *
  * Memory beyond depth, for one scale and ao alone, in bytes: 8.1 a texel for
  * the sums; 4 a texel of the map with a border of 80 columns and 18 rows,
- * twice that on a clamped axis; exact 6 more of these; fast (preview) 1 for
- * each L up to a quarter (half) of the reach, 10 at most. So 19 (20.5, 21.5) a
- * texel at 1024 x 1024 and 18.2 (22.4) at 16384 x 16384, where fast thus takes
- * 6.0 GB beyond the map's 1.1 GB. Each further scale takes 12 more, the bent
+ * twice that on a clamped axis; exact 6 more of these; fast (preview) 1.1 for
+ * each L below a quarter (half) of the reach, 9 at most. So 19 (19, 20.1) a
+ * texel at 1024 x 1024 and 18.2 (21.2) at 16384 x 16384, where fast thus takes
+ * 5.7 GB beyond the map's 1.1 GB. Each further scale takes 12 more, the bent
  * normal 28, horizons 4 ndirs.
  *
  * Reentrant. progress.report is called on the calling thread alone.

@@ -7,19 +7,41 @@
 #include "horizon_priv.h"
 #include "mem.h"
 
-/* A tile reads 32 x 8 blocks from a segment's origin, which is on the map or,
- * on a clamped axis, as much as a tile before it or one block beyond it. */
-enum {
-	TILE_COLUMNS = BAKE_TILE_WIDTH / 2,
-	TILE_ROWS = BAKE_TILE_HEIGHT / 2,
-	BEYOND = 1
-};
+/* A segment's origin is on the map or, on a clamped axis, as much as a tile
+ * before it or one block beyond it. */
+enum { BEYOND = 1 };
+
+/* How a direction's levels lie in memory. */
+static void
+set_layout(struct bake_horizon *hz, bool x_major)
+{
+	struct bake_horizon_far *far = &hz->far;
+	const int width = hz->heights.width, height = hz->heights.height;
+
+	far->block_width = x_major ? BAKE_FAR_BLOCK : 1;
+	far->block_height = x_major ? 1 : BAKE_FAR_BLOCK;
+	far->width = (width - 1) / far->block_width + 1;
+	far->height = (height - 1) / far->block_height + 1;
+	far->columns = BAKE_TILE_WIDTH / far->block_width;
+	far->rows = BAKE_TILE_HEIGHT / far->block_height;
+	far->left = hz->wrap.clamp_u ? far->columns : 0;
+	far->top = hz->wrap.clamp_v ? far->rows : 0;
+	far->stride = (size_t)far->left + (size_t)far->width +
+		      (size_t)far->columns + BEYOND;
+}
+
+static size_t
+layout_nrows(const struct bake_horizon_far *far)
+{
+	return (size_t)far->top + (size_t)far->height + (size_t)far->rows +
+	       BEYOND;
+}
 
 /* Complete a row whose blocks 0 .. width - 1 are there. */
 static void
 pad_row(const struct bake_horizon_far *far, float *row, bool clamp)
 {
-	const int n = TILE_COLUMNS + BEYOND;
+	const int n = far->columns + BEYOND;
 
 	for (int x = 1; x <= far->left; x++)
 		row[-x] = row[0];
@@ -34,26 +56,69 @@ bake_horizon_far_row(const struct bake_horizon_far *far, int level, int y)
 	       (size_t)(y + far->top) * far->stride + far->left;
 }
 
-/* Row y of level 0, the highest of each 2 x 2 texels. At an odd end of the
- * map a block is half beyond it, which adds nothing. */
+/* What row y of level 0 is made of. */
+static struct bake_horizon_blocks
+find_texels(const struct bake_horizon *hz, int y)
+{
+	const struct bake_horizon_far *far = &hz->far;
+	const bool x_major = hz->dir.x_major, clamp = hz->wrap.clamp_v;
+	const int height = hz->heights.height;
+	const int first =
+	    far->block_height * bake_wrap_index(y, far->height, clamp);
+	struct bake_horizon_blocks blocks = { .highest = hz->highest,
+		.x_major = x_major };
+
+	for (int o = 0; o < BAKE_FAR_BLOCK; o++) {
+		const int offset = far->sample[o].offset;
+		const int ya = first + (x_major ? offset : o);
+
+		blocks.frac[o] = far->sample[o].frac;
+		blocks.a[o] = bake_image_row(
+		    &hz->heights, bake_wrap_index(ya, height, clamp));
+		blocks.b[o] = bake_image_row(
+		    &hz->heights, bake_wrap_index(ya + x_major, height, clamp));
+		if (!x_major) {
+			blocks.a[o] += offset;
+			blocks.b[o] += offset + 1;
+		}
+	}
+	return blocks;
+}
+
+static void
+move_right(struct bake_horizon_blocks *blocks, int columns)
+{
+	for (int o = 0; o < BAKE_FAR_BLOCK; o++) {
+		blocks->a[o] += columns;
+		blocks->b[o] += columns;
+	}
+}
+
+/*
+ * Row y of level 0. What a block reads beyond the map is in its border, except
+ * to the left of a torus: whole periods further right it is, too.
+ */
 static void
 make_blocks(const struct bake_horizon *hz, int y)
 {
+	static void (*const make[])(float *, const struct bake_horizon_blocks *,
+	    size_t) = BAKE_KERNEL_TABLE(bake_horizon_far_blocks);
 	const struct bake_horizon_far *far = &hz->far;
-	const int width = hz->heights.width, height = hz->heights.height;
-	const int y0 = 2 * bake_wrap_index(y, far->height, hz->wrap.clamp_v);
-	const int y1 = y0 + 1 < height ? y0 + 1 : y0;
-	const float *a = bake_image_row(&hz->heights, y0);
-	const float *b = bake_image_row(&hz->heights, y1);
+	struct bake_horizon_blocks blocks = find_texels(hz, y);
 	float *out = bake_horizon_far_row(far, 0, y);
+	const int most = BAKE_FAR_BLOCK - 1; /* columns to the left */
+	int n = 0;
 
-	for (int x = 0; x < far->width; x++) {
-		const int x0 = 2 * x, x1 = x0 + 1 < width ? x0 + 1 : x0;
-		const float u = a[x0] > a[x1] ? a[x0] : a[x1];
-		const float v = b[x0] > b[x1] ? b[x0] : b[x1];
+	if (!hz->dir.x_major && !hz->wrap.clamp_u) {
+		struct bake_horizon_blocks lifted = blocks;
 
-		out[x] = u > v ? u : v;
+		n = far->width < most ? far->width : most;
+		for (int lift = 0; lift < most; lift += far->width)
+			move_right(&lifted, far->width);
+		make[hz->isa](out, &lifted, (size_t)n);
+		move_right(&blocks, n);
 	}
+	make[hz->isa](out + n, &blocks, (size_t)(far->width - n));
 	pad_row(far, out, hz->wrap.clamp_u);
 }
 
@@ -105,54 +170,93 @@ reduce(double offset, int size, bool clamp)
 				      : offset);
 }
 
-/* blocks per block of the major axis, that far along the ray */
+/* the minor axis' offset after k steps, to the nearest texel */
 static double
-minor_offset(const struct bake_horizon_dir *dir, long major)
+minor_offset(const struct bake_horizon_dir *dir, double k)
 {
-	return floor((double)major * dir->minor + 0.5);
+	return floor(k * dir->minor + 0.5);
+}
+
+/* Texel o of a block is this many steps after the first one that a ray meets
+ * there. */
+static int
+steps_into_block(const struct bake_horizon_dir *dir, int o)
+{
+	return dir->major > 0 ? o : BAKE_FAR_BLOCK - 1 - o;
+}
+
+static struct bake_horizon_segment
+make_segment(const struct bake_horizon *hz, int level, long start)
+{
+	const struct bake_horizon_far *far = &hz->far;
+	const struct bake_horizon_dir *dir = &hz->dir;
+	struct bake_horizon_segment seg = { .level = level };
+	const double major =
+	    (double)(start / BAKE_FAR_BLOCK) * (double)dir->major;
+	const double place =
+	    far->place * (double)((BAKE_FAR_BLOCK << level) - 1);
+
+	for (int o = 0; o < BAKE_FAR_BLOCK; o++) {
+		const double k =
+		    (double)start - (level < BAKE_FAR_SHARED
+					    ? steps_into_block(dir, o)
+					    : 0.5 * (BAKE_FAR_BLOCK - 1));
+		const double minor = minor_offset(dir, k);
+
+		seg.x[o] = reduce(
+		    dir->x_major ? major : minor, far->width, hz->wrap.clamp_u);
+		seg.y[o] = reduce(dir->x_major ? minor : major, far->height,
+		    hz->wrap.clamp_v);
+		seg.weight[o] = (float)(1 / ((k + place) * dir->pitch));
+	}
+	/* less than k + place is for the last of a block's texels */
+	seg.reach = (float)(((double)start - 1) * dir->pitch * (1 - 0x1p-19));
+	return seg;
 }
 
 static void
 make_segments(struct bake_horizon *hz)
 {
 	struct bake_horizon_far *far = &hz->far;
-	const struct bake_horizon_dir *dir = &hz->dir;
 	long start = far->near;
 	int level = 0;
 
 	far->nsegments = 0;
-	far->top_level = 0;
-	while (start < dir->nsteps) {
-		struct bake_horizon_segment *seg =
-		    &far->segments[far->nsegments++];
-		const long major = start / 2 * dir->major;
-		const double minor = minor_offset(dir, start / 2);
-		long length;
-
-		while (level + 1 < far->nlevels &&
-		       far->per_octave * (4L << level) <= start)
+	while (start < hz->dir.nsteps) {
+		while (
+		    level + 1 < far->nlevels &&
+		    far->per_octave * (2L * BAKE_FAR_BLOCK << level) <= start)
 			level++;
-		length = 2L << level;
-		seg->level = level;
-		seg->x = reduce(dir->x_major ? (double)major : minor,
-		    far->width, hz->wrap.clamp_u);
-		seg->y = reduce(dir->x_major ? minor : (double)major,
-		    far->height, hz->wrap.clamp_v);
-		seg->reach =
-		    (float)(((double)start - 1) * dir->pitch * (1 - 0x1p-19));
-		seg->weight =
-		    (float)(1 / (((double)start - 0.5 +
-				     far->place * (double)(length - 1)) *
-				    dir->pitch));
-		start += length;
+		far->segments[far->nsegments++] =
+		    make_segment(hz, level, start);
+		start += (long)BAKE_FAR_BLOCK << level;
 	}
 	far->top_level = level;
-	for (int m = 0; m < level; m++) {
-		const long major = 1L << m;
-		const int minor = (int)minor_offset(dir, major);
+}
 
-		far->step[m].x = dir->x_major ? (int)major * dir->major : minor;
-		far->step[m].y = dir->x_major ? minor : (int)major * dir->major;
+static void
+set_direction(struct bake_horizon *hz)
+{
+	struct bake_horizon_far *far = &hz->far;
+	const struct bake_horizon_dir *dir = &hz->dir;
+
+	set_layout(hz, dir->x_major);
+	for (int o = 0; o < BAKE_FAR_BLOCK; o++) {
+		const double at = steps_into_block(dir, o) * dir->minor;
+		const double whole = floor(at + BAKE_HORIZON_SNAP);
+		const double frac = at - whole;
+
+		far->sample[o].offset = (int)whole;
+		far->sample[o].frac =
+		    frac < BAKE_HORIZON_SNAP ? 0 : (float)frac;
+	}
+	make_segments(hz);
+	for (int i = 0; i < far->top_level; i++) {
+		const int major = dir->major * (1 << i);
+		const int minor = (int)minor_offset(dir, BAKE_FAR_BLOCK << i);
+
+		far->step[i].x = dir->x_major ? major : minor;
+		far->step[i].y = dir->x_major ? minor : major;
 	}
 }
 
@@ -160,37 +264,44 @@ void
 bake_horizon_far_aim(struct bake_horizon *hz)
 {
 	struct bake_horizon_far *far = &hz->far;
-	const int last = far->height + TILE_ROWS + BEYOND;
+	int last;
 
 #pragma omp single
-	make_segments(hz);
-	for (int m = 0; m < far->top_level; m++)
+	set_direction(hz);
+	if (far->nsegments == 0)
+		return;
+	last = far->height + far->rows + BEYOND;
+#pragma omp for schedule(static)
+	for (int y = -far->top; y < last; y++)
+		make_blocks(hz, y);
+	for (int i = 0; i < far->top_level; i++)
 #pragma omp for schedule(static)
 		for (int y = -far->top; y < last; y++)
-			make_level_row(hz, m, y);
+			make_level_row(hz, i, y);
 }
 
+/* Where a tile finds a segment for texel o of its blocks. */
 static const float *
 find_origin(const struct bake_horizon *hz, const struct bake_horizon_segment *s,
-    int x0, int y0)
+    int o, int x0, int y0)
 {
 	const struct bake_horizon_far *far = &hz->far;
-	const int x = bake_horizon_wrap(
-	    x0 / 2 + s->x, far->width, hz->wrap.clamp_u, far->left);
-	const int y = bake_horizon_wrap(
-	    y0 / 2 + s->y, far->height, hz->wrap.clamp_v, far->top);
+	const int x = bake_horizon_wrap(x0 / far->block_width + s->x[o],
+	    far->width, hz->wrap.clamp_u, far->left);
+	const int y = bake_horizon_wrap(y0 / far->block_height + s->y[o],
+	    far->height, hz->wrap.clamp_v, far->top);
 
-	return far->levels + (size_t)s->level * far->level_size +
-	       (size_t)(y + far->top) * far->stride + (size_t)(x + far->left);
+	return bake_horizon_far_row(far, s->level, y) + x;
 }
 
 /* Fetch into the cache what a tile reads from an origin on. */
 static void
 fetch(const struct bake_horizon_far *far, const float *origin)
 {
-	for (size_t y = 0; y < TILE_ROWS; y++)
-		for (size_t x = 0; x < TILE_COLUMNS + 15; x += 16)
-			__builtin_prefetch(origin + y * far->stride + x);
+	for (int y = 0; y < far->rows; y++)
+		for (int x = 0; x < far->columns + 15; x += 16)
+			__builtin_prefetch(
+			    origin + (size_t)y * far->stride + x);
 }
 
 long
@@ -202,17 +313,40 @@ bake_horizon_far_span(const struct bake_horizon *hz, int x0, int y0, long first,
 
 	span->first = first;
 	span->n = left < BAKE_FAR_SPAN ? (int)left : BAKE_FAR_SPAN;
+	span->nseparate = 0;
 	for (int s = 0; s < span->n; s++) {
-		span->origin[s] =
-		    find_origin(hz, &far->segments[first + s], x0, y0);
-		fetch(far, span->origin[s]);
+		const struct bake_horizon_segment *seg =
+		    &far->segments[first + s];
+		const bool separate = seg->level < BAKE_FAR_SHARED;
+
+		for (int o = 0; o < (separate ? BAKE_FAR_BLOCK : 1); o++)
+			span->origin[s][o] = find_origin(hz, seg, o, x0, y0);
+		span->nseparate += separate;
+		fetch(far, span->origin[s][0]);
 	}
 	return first + span->n;
 }
 
+/* A level has room for either layout. */
+static bool
+set_level_size(struct bake_horizon *hz)
+{
+	struct bake_horizon_far *far = &hz->far;
+
+	for (int x_major = 0; x_major < 2; x_major++) {
+		size_t size;
+
+		set_layout(hz, x_major);
+		if (!bake_mul_size(far->stride, layout_nrows(far), &size))
+			return false;
+		if (size > far->level_size)
+			far->level_size = size;
+	}
+	return true;
+}
+
 enum bake_status
-bake_horizon_far_init(
-    struct bake_horizon *hz, int nthreads, struct bake_err *err)
+bake_horizon_far_init(struct bake_horizon *hz, struct bake_err *err)
 {
 	struct bake_horizon_far *far = &hz->far;
 	const int width = hz->heights.width, height = hz->heights.height;
@@ -220,40 +354,29 @@ bake_horizon_far_init(
 	    hz->radius > 0
 		? (long)(hz->radius * width)
 		: (long)hz->periods * (width > height ? width : height);
-	size_t nrows, nfloats;
-	long nsegments = 0, length = 2;
+	size_t nfloats;
+	long nsegments = 0, length;
 
-	far->width = width / 2 + width % 2;
-	far->height = height / 2 + height % 2;
-	far->left = hz->wrap.clamp_u ? TILE_COLUMNS : 0;
-	far->top = hz->wrap.clamp_v ? TILE_ROWS : 0;
-	far->stride =
-	    (size_t)far->left + (size_t)far->width + TILE_COLUMNS + BEYOND;
-	nrows = (size_t)far->top + (size_t)far->height + TILE_ROWS + BEYOND;
 	for (long start = far->near; start < longest; start += length) {
-		while (far->nlevels < BAKE_FAR_LEVELS &&
-		       far->per_octave * (2L << far->nlevels) <= start)
+		while (
+		    far->nlevels < BAKE_FAR_LEVELS &&
+		    far->per_octave * ((long)BAKE_FAR_BLOCK << far->nlevels) <=
+			start)
 			far->nlevels++;
-		if (far->nlevels == 0)
-			far->nlevels = 1;
-		length = 2L << (far->nlevels - 1);
+		length = (long)BAKE_FAR_BLOCK << (far->nlevels - 1);
 		nsegments++;
 	}
 	if (nsegments == 0)
 		return BAKE_OK;
-	if (!bake_mul_size(far->stride, nrows, &far->level_size) ||
+	if (!set_level_size(hz) ||
 	    !bake_mul_size(far->level_size, (size_t)far->nlevels, &nfloats))
 		return bake_fail(err, BAKE_ENOMEM,
 		    "%dx%d texels do not fit in memory", width, height);
 	far->levels = bake_alloc(nfloats, sizeof *far->levels, err);
 	far->segments =
 	    bake_alloc((size_t)nsegments, sizeof *far->segments, err);
-	if (far->levels == NULL || far->segments == NULL)
-		return BAKE_ENOMEM;
-#pragma omp parallel for num_threads(nthreads) schedule(static)
-	for (int y = -far->top; y < far->height + TILE_ROWS + BEYOND; y++)
-		make_blocks(hz, y);
-	return BAKE_OK;
+	return far->levels != NULL && far->segments != NULL ? BAKE_OK
+							    : BAKE_ENOMEM;
 }
 
 void

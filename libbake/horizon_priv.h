@@ -141,49 +141,71 @@ bake_horizon_window_row(const struct bake_horizon_windows *w, int y2)
 /*
  * The far field of a march that is not exact: what lies beyond the first
  * 'near' steps of a ray is taken in segments, each represented by its highest
- * texel at one distance. The map is halved to blocks of 2 x 2 texels, of which
- * the highest counts, and with u the ray's step from block to block on its
- * major axis, P_m(b) is the maximum over the 2^m blocks from b on:
- *     P_0(b) = the highest texel of block b
- *     P_(m+1)(b) = max(P_m(b), P_m(b + round(2^m u)))
- * A segment is one value of P_m and serves the four texels of a block.
+ * sample at one distance. Blocks are BAKE_FAR_BLOCK texels on the ray's major
+ * axis and one texel on the other; P_0(b) is the highest of the samples that
+ * the ray, from the middle of the first texel it meets in block b, has there.
+ * With u the ray's step from block to block,
+ *     P_(i+1)(b) = max(P_i(b), P_i(b + round(2^i u)))
+ * A segment is one value of P_i. A texel of a block, counted right or down,
+ * has its own place for it and its own distance below BAKE_FAR_SHARED; from
+ * that level on the block's middle decides for all four.
  */
+enum { BAKE_FAR_BLOCK = 4, BAKE_FAR_LEVELS = 9, BAKE_FAR_SHARED = 2 };
+
 struct bake_horizon_segment {
-	int level;    /* m: 2^(m+1) steps */
-	int x, y;     /* its origin, in blocks from the texel's; reduced */
-	float reach;  /* nothing in it or beyond is nearer */
-	float weight; /* 1 / the distance that it is put at */
+	int level; /* i: BAKE_FAR_BLOCK 2^i steps */
+	/* from the block of texel o on, for each o; reduced */
+	int x[BAKE_FAR_BLOCK], y[BAKE_FAR_BLOCK];
+	float weight[BAKE_FAR_BLOCK]; /* 1 / the distance it is put at */
+	float reach;                  /* nothing in it or beyond is nearer */
 };
 
-enum { BAKE_FAR_LEVELS = 10 };
-
 struct bake_horizon_far {
-	long near;      /* steps, even */
+	long near;      /* steps, a multiple of a block */
 	int per_octave; /* segments */
 	double place;   /* in a segment, 0 .. 1 */
 
-	int width, height; /* of a level, in blocks */
-	int left, top;     /* of its border */
-	size_t stride, level_size;
+	size_t level_size;
 	int nlevels;
 	float *levels; /* P_0, P_1 ... */
 
 	/* the present direction */
+	int block_width, block_height;
+	int width, height; /* of a level, in blocks */
+	int left, top;     /* of its border */
+	int columns, rows; /* that a tile reads */
+	size_t stride;
+	struct {
+		int offset;       /* on the minor axis, rounded down */
+		float frac;       /* what is left of it */
+	} sample[BAKE_FAR_BLOCK]; /* of texel o of a block */
 	int top_level;
 	struct {
 		int x, y;
-	} step[BAKE_FAR_LEVELS]; /* round(2^m u) */
+	} step[BAKE_FAR_LEVELS]; /* round(2^i u) */
 	long nsegments;
 	struct bake_horizon_segment *segments;
 };
 
 /* Segments first .. first + n - 1, and where a tile finds them: the block that
- * goes with its first texel. */
+ * goes with its first texel, for each texel of a block. */
 enum { BAKE_FAR_SPAN = 32 };
 struct bake_horizon_span {
 	long first;
-	int n;
-	const float *origin[BAKE_FAR_SPAN];
+	int n, nseparate; /* below BAKE_FAR_SHARED, which come first */
+	const float *origin[BAKE_FAR_SPAN][BAKE_FAR_BLOCK];
+};
+
+/*
+ * What n blocks of P_0 are made of: of texel o of each block, heights a and b
+ * on either side of the ray, frac of the way from a to b. On an x-major ray
+ * texel o of block i is at a[o][BAKE_FAR_BLOCK i + o], else at a[o][i].
+ */
+struct bake_horizon_blocks {
+	const float *a[BAKE_FAR_BLOCK], *b[BAKE_FAR_BLOCK];
+	float frac[BAKE_FAR_BLOCK];
+	float highest; /* of the map */
+	bool x_major;
 };
 
 /* How far samples are looked at one by one; see enum bake_ao_quality. */
@@ -299,7 +321,7 @@ void bake_horizon_near_avx512(
 /* Make the far field of a horizon whose heights are there, turn it to the
  * present direction (by a team, as bake_horizon_aim), free it. */
 enum bake_status bake_horizon_far_init(
-    struct bake_horizon *hz, int nthreads, struct bake_err *err);
+    struct bake_horizon *hz, struct bake_err *err);
 void bake_horizon_far_aim(struct bake_horizon *hz);
 void bake_horizon_far_free(struct bake_horizon_far *far);
 
@@ -314,6 +336,17 @@ void bake_horizon_higher_avx2(
     float *dst, const float *a, const float *b, size_t n);
 void bake_horizon_higher_avx512(
     float *dst, const float *a, const float *b, size_t n);
+
+/*
+ * dst[i] = max over o of min(a + frac (b - a), highest), 0 <= i < n. Up to 15
+ * more are written, and read where dst goes on.
+ */
+void bake_horizon_far_blocks_baseline(
+    float *dst, const struct bake_horizon_blocks *blocks, size_t n);
+void bake_horizon_far_blocks_avx2(
+    float *dst, const struct bake_horizon_blocks *blocks, size_t n);
+void bake_horizon_far_blocks_avx512(
+    float *dst, const struct bake_horizon_blocks *blocks, size_t n);
 
 /* The next segments for the tile at (x0, y0), and fetch them into the cache;
  * returns the first of those after them. */

@@ -259,10 +259,10 @@ bake_horizon_init(struct bake_horizon *hz, const struct bake_image *depth,
     enum bake_horizon_quality quality, int nthreads, struct bake_err *err)
 {
 	static const struct bake_horizon_far far[] = {
-		[BAKE_HORIZON_FAST] = { .near = 32,
+		[BAKE_HORIZON_FAST] = { .near = 16,
 		    .per_octave = 4,
 		    .place = 0.85 },
-		[BAKE_HORIZON_PREVIEW] = { .near = 16,
+		[BAKE_HORIZON_PREVIEW] = { .near = 8,
 		    .per_octave = 2,
 		    .place = 0.85 },
 	};
@@ -279,7 +279,7 @@ bake_horizon_init(struct bake_horizon *hz, const struct bake_image *depth,
 	    (rc = alloc_chunks(hz, err)) != BAKE_OK)
 		return rc;
 	return hz->exact ? alloc_tables(hz, nthreads, err)
-			 : bake_horizon_far_init(hz, nthreads, err);
+			 : bake_horizon_far_init(hz, err);
 }
 
 void

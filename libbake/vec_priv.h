@@ -10,8 +10,8 @@
  * and give the same bits in every width. vec_max(a, b) is a > b ? a : b, so
  * that a NaN in a is dropped and -0 against 0 yields b.
  *
- * vec_unzip parts what is stored as e0 o0 e1 o1 ... into e and o; vec_zip puts
- * it together again.
+ * vec_unzip parts e0 o0 e1 o1 ..., which begins in a and ends in b, into e and
+ * o; vec_zip puts it together again.
  */
 #if defined(__AVX512F__) && !defined(BAKE_VEC_256)
 #include <immintrin.h>
@@ -68,28 +68,27 @@ vec_lowest(vec_f a)
 }
 
 static inline void
-vec_unzip(const float *p, vec_f *even, vec_f *odd)
+vec_unzip(vec_f a, vec_f b, vec_f *even, vec_f *odd)
 {
 	const __m512i e = _mm512_setr_epi32(
 	    0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
 	const __m512i o = _mm512_setr_epi32(
 	    1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-	const vec_f a = vec_load(p), b = vec_load(p + VEC_LANES);
 
 	*even = _mm512_permutex2var_ps(a, e, b);
 	*odd = _mm512_permutex2var_ps(a, o, b);
 }
 
 static inline void
-vec_zip(float *p, vec_f even, vec_f odd)
+vec_zip(vec_f even, vec_f odd, vec_f *a, vec_f *b)
 {
 	const __m512i lo = _mm512_setr_epi32(
 	    0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
 	const __m512i hi = _mm512_setr_epi32(
 	    8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
 
-	vec_store(p, _mm512_permutex2var_ps(even, lo, odd));
-	vec_store(p + VEC_LANES, _mm512_permutex2var_ps(even, hi, odd));
+	*a = _mm512_permutex2var_ps(even, lo, odd);
+	*b = _mm512_permutex2var_ps(even, hi, odd);
 }
 
 #elif defined(__AVX2__)
@@ -157,21 +156,19 @@ vec_middle_swapped(vec_f a)
 }
 
 static inline void
-vec_unzip(const float *p, vec_f *even, vec_f *odd)
+vec_unzip(vec_f a, vec_f b, vec_f *even, vec_f *odd)
 {
-	const vec_f a = vec_load(p), b = vec_load(p + VEC_LANES);
-
 	*even = vec_middle_swapped(_mm256_shuffle_ps(a, b, 0x88));
 	*odd = vec_middle_swapped(_mm256_shuffle_ps(a, b, 0xdd));
 }
 
 static inline void
-vec_zip(float *p, vec_f even, vec_f odd)
+vec_zip(vec_f even, vec_f odd, vec_f *a, vec_f *b)
 {
 	const vec_f e = vec_middle_swapped(even), o = vec_middle_swapped(odd);
 
-	vec_store(p, _mm256_unpacklo_ps(e, o));
-	vec_store(p + VEC_LANES, _mm256_unpackhi_ps(e, o));
+	*a = _mm256_unpacklo_ps(e, o);
+	*b = _mm256_unpackhi_ps(e, o);
 }
 
 #elif defined(__SSE2__)
@@ -229,19 +226,17 @@ vec_lowest(vec_f a)
 }
 
 static inline void
-vec_unzip(const float *p, vec_f *even, vec_f *odd)
+vec_unzip(vec_f a, vec_f b, vec_f *even, vec_f *odd)
 {
-	const vec_f a = vec_load(p), b = vec_load(p + VEC_LANES);
-
 	*even = _mm_shuffle_ps(a, b, 0x88);
 	*odd = _mm_shuffle_ps(a, b, 0xdd);
 }
 
 static inline void
-vec_zip(float *p, vec_f even, vec_f odd)
+vec_zip(vec_f even, vec_f odd, vec_f *a, vec_f *b)
 {
-	vec_store(p, _mm_unpacklo_ps(even, odd));
-	vec_store(p + VEC_LANES, _mm_unpackhi_ps(even, odd));
+	*a = _mm_unpacklo_ps(even, odd);
+	*b = _mm_unpackhi_ps(even, odd);
 }
 
 #else /* any other machine: four lanes, which compilers turn into NEON */
@@ -322,20 +317,23 @@ vec_lowest(vec_f a)
 }
 
 static inline void
-vec_unzip(const float *p, vec_f *even, vec_f *odd)
+vec_unzip(vec_f a, vec_f b, vec_f *even, vec_f *odd)
 {
 	for (int i = 0; i < VEC_LANES; i++) {
-		(*even)[i] = p[2 * i];
-		(*odd)[i] = p[2 * i + 1];
+		const int k = 2 * i;
+
+		(*even)[i] = k < VEC_LANES ? a[k] : b[k - VEC_LANES];
+		(*odd)[i] = k < VEC_LANES ? a[k + 1] : b[k + 1 - VEC_LANES];
 	}
 }
 
 static inline void
-vec_zip(float *p, vec_f even, vec_f odd)
+vec_zip(vec_f even, vec_f odd, vec_f *a, vec_f *b)
 {
 	for (int i = 0; i < VEC_LANES; i++) {
-		p[2 * i] = even[i];
-		p[2 * i + 1] = odd[i];
+		(*a)[i] = i % 2 ? odd[i / 2] : even[i / 2];
+		(*b)[i] = i % 2 ? odd[(VEC_LANES + i) / 2]
+				: even[(VEC_LANES + i) / 2];
 	}
 }
 #endif

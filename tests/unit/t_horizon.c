@@ -51,30 +51,60 @@ struct setup {
 	enum bake_horizon_quality quality; /* exact */
 };
 
-/* P_i(b) of ao.h, as it is written there. */
+/* The height at a texel of the map as it goes on beyond its border. */
 static float
-run_maximum(const struct bake_horizon *hz, int i, long x, long y)
+height_at(const struct bake_horizon *hz, long x, long y)
 {
+	const struct bake_image *h = &hz->heights;
+
+	return bake_image_row(
+	    h, bake_wrap_index(y, h->height, hz->wrap.clamp_v))[bake_wrap_index(
+	    x, h->width, hz->wrap.clamp_u)];
+}
+
+/* P_i of ao.h at block u of the major axis, texel v of the minor, as it is
+ * written there. */
+static float
+run_maximum(const struct bake_horizon *hz, int i, long u, long v)
+{
+	const struct bake_horizon_dir *dir = &hz->dir;
 	const int width = hz->heights.width, height = hz->heights.height;
-	const int bx = bake_wrap_index(x, (width + 1) / 2, hz->wrap.clamp_u);
-	const int by = bake_wrap_index(y, (height + 1) / 2, hz->wrap.clamp_v);
+	const int length = dir->x_major ? width : height;
+	const bool clamp_u = hz->wrap.clamp_u, clamp_v = hz->wrap.clamp_v;
+	const bool clamp = dir->x_major ? clamp_u : clamp_v;
+	const long block = bake_wrap_index(u, (length + 3) / 4, clamp);
+	const long at = bake_wrap_index(
+	    v, dir->x_major ? height : width, dir->x_major ? clamp_v : clamp_u);
 	float high = -INFINITY;
 
 	if (i > 0) {
-		const long major = (1L << (i - 1)) * hz->dir.major;
-		const long minor =
-		    (long)floor((1 << (i - 1)) * hz->dir.minor + 0.5);
+		const long run = 1L << (i - 1);
 
-		return fmaxf(run_maximum(hz, i - 1, bx, by),
-		    run_maximum(hz, i - 1,
-			bx + (hz->dir.x_major ? major : minor),
-			by + (hz->dir.x_major ? minor : major)));
+		return fmaxf(run_maximum(hz, i - 1, block, at),
+		    run_maximum(hz, i - 1, block + run * dir->major,
+			at + (long)floor(4 * (double)run * dir->minor + 0.5)));
 	}
-	for (int py = 2 * by; py < 2 * by + 2 && py < height; py++)
-		for (int px = 2 * bx; px < 2 * bx + 2 && px < width; px++)
-			high =
-			    fmaxf(high, bake_image_row(&hz->heights, py)[px]);
-	return high;
+	for (int k = 0; k < 4; k++) {
+		const long major = 4 * block + (dir->major > 0 ? k : 3 - k);
+		double whole = floor(k * dir->minor);
+		double frac = k * dir->minor - whole;
+		long minor;
+		float a, b;
+
+		if (frac > 1 - BAKE_HORIZON_SNAP) {
+			whole++;
+			frac = 0;
+		} else if (frac < BAKE_HORIZON_SNAP) {
+			frac = 0;
+		}
+		minor = at + (long)whole;
+		a = dir->x_major ? height_at(hz, major, minor)
+				 : height_at(hz, minor, major);
+		b = dir->x_major ? height_at(hz, major, minor + 1)
+				 : height_at(hz, minor + 1, major);
+		high = fmaxf(high, a + (float)frac * (b - a));
+	}
+	return fminf(high, hz->highest);
 }
 
 /* The march of fast and preview, as it is defined in ao.h. */
@@ -82,32 +112,31 @@ static float
 march_far(const struct bake_horizon *hz, enum bake_horizon_quality quality,
     int x, int y)
 {
-	const int near = quality == BAKE_HORIZON_FAST ? 32 : 16;
+	const int near = quality == BAKE_HORIZON_FAST ? 16 : 8;
 	const int per_octave = quality == BAKE_HORIZON_FAST ? 4 : 2;
 	const float h = bake_image_row(&hz->heights, y)[x];
 	struct bake_horizon_dir dir = hz->dir;
+	const int u = dir.x_major ? x : y, v = dir.x_major ? y : x;
+	const int met = dir.major > 0 ? u % 4 : 3 - u % 4;
 	long length;
 	float best;
 
 	dir.nsteps = dir.nsteps < near ? dir.nsteps : near;
 	best = bake_horizon_march(&hz->heights, hz->wrap, &dir, x, y);
 	for (long k = near; k < hz->dir.nsteps; k += length) {
-		const long major = k / 2 * dir.major;
-		const long minor =
-		    (long)floor((double)(k / 2) * dir.minor + 0.5);
 		int i = 0;
-		float high;
+		double from;
+		float high, weight;
 
-		for (length = 2; length < 1024 && 2 * length * per_octave <= k;
+		for (length = 4; length < 1024 && 2 * length * per_octave <= k;
 		     length *= 2)
 			i++;
-		high = run_maximum(hz, i, x / 2 + (dir.x_major ? major : minor),
-		    y / 2 + (dir.x_major ? minor : major));
-		best = fmaxf(best,
-		    (float)(1 /
-			    (((double)k - 0.5 + 0.85 * (double)(length - 1)) *
-				dir.pitch)) *
-			(high - h));
+		from = (double)k - (length < 16 ? met : 1.5);
+		high = run_maximum(hz, i, u / 4 + k / 4 * dir.major,
+		    v + (long)floor(from * dir.minor + 0.5));
+		weight = (float)(1 / ((from + 0.85 * (double)(length - 1)) *
+					 dir.pitch));
+		best = fmaxf(best, weight * (high - h));
 	}
 	return best;
 }
