@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "cmd_mesh.h"
 #include "mesh_textures.h"
@@ -369,6 +370,24 @@ field_to_maps(struct cmd *cmd, const struct multilayer_opts *o,
 	return rc;
 }
 
+/* Whether the depth image would take the place of the map itself, which a
+ * second run would then read. */
+static bool
+replaces_input(const struct cmd *cmd, const char *map, const char *prefix)
+{
+	struct stat a, b;
+	char *path;
+	bool same;
+
+	if (asprintf(&path, "%s_depth.%s", prefix,
+		bake_file_type_name(cmd->type)) < 0)
+		return false;
+	same = stat(map, &a) == 0 && stat(path, &b) == 0 &&
+	       a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+	free(path);
+	return same;
+}
+
 bool
 multilayer_height_field(struct cmd *cmd, const struct multilayer_opts *o,
     const struct bake_color *color, const char *prefix)
@@ -377,7 +396,16 @@ multilayer_height_field(struct cmd *cmd, const struct multilayer_opts *o,
 		.meta = BAKE_RELIEF_META_INIT };
 	struct cmd_map map = CMD_MAP_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
-	bool ok = cmd_read_channel(cmd, o->from_depth, NULL, &map);
+	bool ok;
+
+	if (!o->multi_part && replaces_input(cmd, o->from_depth, prefix)) {
+		cmd_error(cmd,
+		    "%s: would be replaced by what is made of it: choose "
+		    "another PREFIX than %s",
+		    o->from_depth, prefix);
+		return false;
+	}
+	ok = cmd_read_channel(cmd, o->from_depth, NULL, &map);
 
 	if (ok) {
 		cmd_to_depth(cmd, &map);

@@ -28,7 +28,7 @@ run_all() {
 	rm -rf folder
 	mkdir folder
 	for f in "$DATA"/*.png "$DATA"/*.obj; do
-		ln -s "$f" folder
+		cp -R "$f" folder
 	done
 	(cd folder && sh -eu "$PRIV/script") >"$PRIV/out" 2>"$PRIV/err" || {
 		bad "a command failed; the script is"

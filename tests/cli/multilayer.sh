@@ -493,6 +493,10 @@ for r, s in zip(a, b):
         assert q[1:] == [top2] * 3, q
 END
 absent hf_color.png
+cp bricks.png own_depth.png
+exits 1 rm-multilayer --from-depth own_depth.png -o own
+stderr_one_line 'choose another PREFIX'
+same_bytes bricks.png own_depth.png
 ok rm-multilayer --height --from-depth bricks.png -o hg
 py <<'END'
 a, b = image("hf_depth.png"), image("hg_depth.png")
