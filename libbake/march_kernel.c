@@ -15,7 +15,7 @@ struct ground {
 
 struct lanes {
 	vec_f u, v, z, du, dv, dz, q, t_end;
-	vec_f n, step;
+	vec_f n, step, lead;
 };
 
 static inline struct ground
@@ -64,6 +64,29 @@ magnitude(vec_f a)
 	return vec_max(a, vec_set(0) - a);
 }
 
+/* TEXEL: steps from one line between texel centres to the next, the first from
+ * wherever the ray is. */
+static inline void
+align_steps(const struct ground *g, struct lanes *r, vec_f least)
+{
+	const vec_f half = vec_set(0.5f), zero = vec_set(0), one = vec_set(1);
+	const vec_f x = r->du * g->width, y = r->dv * g->height;
+	const vec_m by_x = vec_ge(magnitude(x), magnitude(y));
+	const vec_f speed = magnitude(vec_select(by_x, x, y));
+	const vec_f passed = speed * r->t_end;
+	const vec_f at =
+	    vec_select(by_x, r->u * g->width - half, r->v * g->height - half);
+	const vec_f part = at - vec_floor(at);
+	const vec_m up = vec_ge(vec_select(by_x, x, y), zero);
+	const vec_m enough = vec_and(vec_ge(passed, least),
+	    vec_ge(vec_set(BAKE_MARCH_STEPS_MAX - 2), passed));
+	const vec_f n = one + (zero - vec_floor(zero - passed));
+
+	r->n = vec_select(enough, n, r->n);
+	r->step = vec_select(enough, one / speed, r->step);
+	r->lead = vec_select(enough, vec_select(up, part, one - part), r->lead);
+}
+
 static inline vec_f
 count_steps(const struct ground *g, const struct lanes *r,
     const struct bake_march_params *params)
@@ -97,6 +120,9 @@ get_lanes(const struct ground *g, const struct bake_march_params *params,
 
 	r.n = count_steps(g, &r, params);
 	r.step = r.t_end / r.n;
+	r.lead = vec_set(0);
+	if (params->search == BAKE_SEARCH_TEXEL)
+		align_steps(g, &r, vec_set((float)params->nlinear));
 	return r;
 }
 
@@ -127,8 +153,10 @@ search(const struct ground *g, const struct lanes *r, struct bracket *s)
 	alive = vec_without(valid, s->at_start);
 	for (int k = 1; vec_bits(alive) != 0; k++) {
 		const vec_f kf = vec_set((float)k);
-		const vec_m last = vec_ge(kf, r->n);
-		const vec_f t = vec_select(last, r->t_end, kf * r->step);
+		const vec_f ahead = vec_max((kf - r->lead) * r->step, zero);
+		const vec_m last =
+		    vec_either(vec_ge(kf, r->n), vec_ge(ahead, r->t_end));
+		const vec_f t = vec_select(last, r->t_end, ahead);
 		const vec_f f = below(g, r, t);
 		const vec_m in = vec_and(alive, vec_ge(f, zero));
 
@@ -202,8 +230,11 @@ hidden(const struct ground *g, const struct lanes *r, vec_f bias)
 
 	for (int k = 0; vec_bits(alive) != 0; k++) {
 		const vec_f kf = vec_set((float)k);
-		const vec_m last = vec_ge(kf, r->n);
-		const vec_f t = vec_select(last, r->t_end, kf * r->step);
+		const vec_f ahead =
+		    vec_max((kf - r->lead) * r->step, vec_set(0));
+		const vec_m last =
+		    vec_either(vec_ge(kf, r->n), vec_ge(ahead, r->t_end));
+		const vec_f t = vec_select(last, r->t_end, ahead);
 
 		in = vec_and(alive, vec_gt(below(g, r, t), bias));
 		found = vec_either(found, in);

@@ -6,7 +6,7 @@
 struct ray {
 	const struct bake_relief_map *map;
 	float u, v, z, du, dv, dz, q, t_end;
-	float n, step;
+	float n, step, lead;
 };
 
 /* How far below the relief the ray is at t; negative: above. */
@@ -34,6 +34,27 @@ count_steps(const struct ray *r, const struct bake_march_params *params)
 	return n < BAKE_MARCH_STEPS_MAX ? n : BAKE_MARCH_STEPS_MAX;
 }
 
+/* TEXEL: steps from one line between texel centres to the next, the first from
+ * wherever the ray is: so much of a step lies behind the start. */
+static void
+align_steps(struct ray *r, float least)
+{
+	const float x = r->du * (float)r->map->width;
+	const float y = r->dv * (float)r->map->height;
+	const bool by_x = fabsf(x) >= fabsf(y);
+	const float speed = by_x ? fabsf(x) : fabsf(y);
+	const float passed = speed * r->t_end;
+	const float at = by_x ? r->u * (float)r->map->width - 0.5f
+			      : r->v * (float)r->map->height - 0.5f;
+	const float part = at - floorf(at);
+
+	if (!(passed >= least) || !(BAKE_MARCH_STEPS_MAX - 2 >= passed))
+		return;
+	r->n = 1 + ceilf(passed);
+	r->step = 1 / speed;
+	r->lead = (by_x ? x : y) >= 0 ? part : 1 - part;
+}
+
 static struct ray
 get_ray(const struct bake_relief_map *map,
     const struct bake_march_params *params, const struct bake_rays *rays, int i)
@@ -52,13 +73,20 @@ get_ray(const struct bake_relief_map *map,
 
 	r.n = count_steps(&r, params);
 	r.step = r.t_end / r.n;
+	r.lead = 0;
+	if (params->search == BAKE_SEARCH_TEXEL)
+		align_steps(&r, (float)params->nlinear);
 	return r;
 }
 
 static float
 step_end(const struct ray *r, int k)
 {
-	return (float)k >= r->n ? r->t_end : (float)k * r->step;
+	const float t = ((float)k - r->lead) * r->step;
+
+	if ((float)k >= r->n || t >= r->t_end)
+		return r->t_end;
+	return t > 0 ? t : 0;
 }
 
 /* Between a, above the relief by -fa, and b, below it by fb. */
