@@ -1,6 +1,6 @@
 # relief-tools: one Makefile, no recursion, nothing written outside build/.
 #
-#   make [MODE=release|debug|asan] [all check demo bench golden fuzz
+#   make [MODE=release|debug|asan] [all check demo figures bench golden fuzz
 #         install uninstall format clean check-headers check-symbols
 #         check-style]
 #
@@ -126,8 +126,9 @@ $(B)/tests/%: $(B)/tests/unit/%.c.o $(B)/libbake.a $(B)/link.stamp
 	$(Q)$(CXX) $(BASE_LDFLAGS) $(LDFLAGS) -o $@ $(filter-out %.stamp,$^) \
 	    $(LIBS)
 # private: link.stamp must not see these
-$(B)/tests/t_nomem: private override LDFLAGS += $(foreach f,aligned_alloc \
-	asprintf fdopen free realpath strdup strndup tmpfile,-Wl,--wrap=$(f))
+$(B)/tests/t_nomem $(B)/tests/t_nomem_layers: private override LDFLAGS += \
+	$(foreach f,_Znam _Znwm aligned_alloc asprintf calloc fdopen free \
+	malloc realloc realpath strdup strndup tmpfile,-Wl,--wrap=$(f))
 $(B)/bench/%: $(B)/tests/bench/%.c.o $(B)/libbake.a $(B)/link.stamp
 	$(SAY)
 	$(Q)$(CXX) $(BASE_LDFLAGS) $(LDFLAGS) -o $@ $(filter-out %.stamp,$^) \
@@ -187,6 +188,8 @@ fuzz: $(FUZZ)
 	@$(SCRIPT_ENV) scripts/fuzz
 demo: all
 	@$(SCRIPT_ENV) scripts/demo
+figures: all
+	@$(SCRIPT_ENV) scripts/figures
 format:
 	clang-format -i $(wildcard cmd/*.[ch] libbake/*.[ch] libbake/*.cpp \
 	    tests/*/*.[ch] tests/*/*.cpp)
@@ -222,7 +225,7 @@ uninstall:
 	    '$(DEST)/lib/libbake.a' '$(DEST)/lib/pkgconfig/relief.pc'
 	rm -rf '$(DEST)/include/relief' '$(DEST)/share/relief'
 
-.PHONY: all bench check check-headers check-style check-symbols clean demo \
+.PHONY: all bench check check-headers check-style check-symbols clean demo figures \
 	format fuzz golden install uninstall units FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:

@@ -1,4 +1,5 @@
-/* rm-render: pictures and buffers to files, and how far they are from others. */
+/* rm-render: pictures and buffers to files, and how far they are from others.
+ */
 /* SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdlib.h>
@@ -70,11 +71,11 @@ write_picture(struct cmd *cmd, const struct render_opts *o,
 	bool ok;
 
 	(void)bake_file_type_from_path(path, &p.type);
-	p.data_format = cmd->has_data_format ? cmd->data_format
-					     : bake_file_type_nearest(p.type,
-						   BAKE_DATA_UINT8);
-	ok = to_display(cmd, o, color, in,
-	    bake_data_format_max(p.data_format) == 0, &out);
+	p.data_format = cmd->has_data_format
+			    ? cmd->data_format
+			    : bake_file_type_nearest(p.type, BAKE_DATA_UINT8);
+	ok = to_display(
+	    cmd, o, color, in, bake_data_format_max(p.data_format) == 0, &out);
 	if (ok && bake_data_format_max(p.data_format) != 0)
 		clamp(&out); /* too bright is white: no warning */
 	ok = ok && cmd_write_as(cmd, &out, path, &p);
@@ -86,8 +87,8 @@ write_picture(struct cmd *cmd, const struct render_opts *o,
  */
 
 static bool
-write_buffers(struct cmd *cmd, const struct bake_render_buffers *b,
-    const char *path)
+write_buffers(
+    struct cmd *cmd, const struct bake_render_buffers *b, const char *path)
 {
 	const struct {
 		const struct bake_image *img;
@@ -154,8 +155,8 @@ channel(const struct cmd_map *map, const char *name)
 }
 
 static void
-add_pixel(struct comparison *c, const float *rgb, const float *ref_rgb,
-    float z, float ref_z, float mask, float ref_mask)
+add_pixel(struct comparison *c, const float *rgb, const float *ref_rgb, float z,
+    float ref_z, float mask, float ref_mask)
 {
 	const bool hit = mask > 0.5F, ref_hit = ref_mask > 0.5F;
 	double d;
@@ -302,8 +303,8 @@ render_compare(struct cmd *cmd, const struct render_opts *o,
 
 	if (ok && (rgba.width != buffers->color.width ||
 		      rgba.height != buffers->color.height)) {
-		cmd_error(cmd, "%s: is %dx%d, the picture is %dx%d",
-		    o->compare, rgba.width, rgba.height, buffers->color.width,
+		cmd_error(cmd, "%s: is %dx%d, the picture is %dx%d", o->compare,
+		    rgba.width, rgba.height, buffers->color.width,
 		    buffers->color.height);
 		ok = false;
 	}

@@ -411,7 +411,7 @@ load_multi(struct cmd *cmd, const struct bake_color *color,
 	if (ok) {
 		double near = 0, far = 0;
 
-		*scale = 0.1;
+		*scale = set.meta.depth_scale > 0 ? set.meta.depth_scale : 0.1;
 		if (meta->has_range && meta->has_region) {
 			bake_layer_meta_range(meta, &near, &far);
 			*scale =

@@ -148,15 +148,17 @@ read_maps(const struct source *s, struct render_layer_set *set)
 {
 	struct cmd_map first = CMD_MAP_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
-	int n = 0;
+	int n = 0, nlayers;
 	char name[32];
 	bool ok = read_image(s, "depth", &first);
 
 	do
 		name_of(name, sizeof name, "depth", ++n);
 	while (n < BAKE_LAYER_TEXTURES && has_image(s, name));
+	/* a height field is solid below its one depth */
+	nlayers = n == 1 && first.meta.layer.nlayers == 1 ? 1 : 4 * n;
 	ok = ok && (bake_layer_maps_alloc(&set->maps, first.img.width,
-			first.img.height, 4 * n, BAKE_DATA_FLOAT, 0, 3,
+			first.img.height, nlayers, BAKE_DATA_FLOAT, 0, 3,
 			BAKE_DATA_FLOAT, &err) == BAKE_OK ||
 		       failed(s->cmd, s->prefix, &err));
 	cmd_map_free(&first);

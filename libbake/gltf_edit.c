@@ -1,5 +1,6 @@
 /* glTF files: attributes added, and meshes looked at on their own. */
 /* SPDX-License-Identifier: MIT */
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -109,18 +110,16 @@ bake_gltf_same_vertices(
 		   json_object_get(b, "attributes"));
 }
 
-/* How many vertices a primitive has; -1 where it cannot be told. */
-static json_int_t
+/* How many vertices a primitive has; SIZE_MAX where it cannot be told. */
+static size_t
 count_vertices(const struct bake_gltf *g, const json_t *primitive)
 {
-	json_t *position = json_object_get(
-	    json_object_get(primitive, "attributes"), "POSITION");
-	json_t *accessor = json_array_get(json_object_get(g->root, "accessors"),
-	    json_is_integer(position) ? (size_t)json_integer_value(position)
-				      : (size_t)-1);
-	json_t *count = json_object_get(accessor, "count");
+	json_t *attributes = json_object_get(primitive, "attributes");
 
-	return json_is_integer(count) ? json_integer_value(count) : -1;
+	return bake_gltf_size(
+	    json_array_get(json_object_get(g->root, "accessors"),
+		bake_gltf_size(attributes, "POSITION", SIZE_MAX)),
+	    "count", SIZE_MAX);
 }
 
 enum bake_status
@@ -128,18 +127,18 @@ bake_gltf_add(struct bake_gltf *g, int mesh, int primitive,
     const struct bake_gltf_attribute *a, struct bake_err *err)
 {
 	json_t *p = primitive_of(g, mesh, primitive), *accessor, *extras;
-	json_int_t i, n = p != NULL ? count_vertices(g, p) : -1;
+	size_t k, n = count_vertices(g, p);
+	json_int_t i;
 	json_t *all;
-	size_t k;
 
-	if (n < 0)
+	if (n == SIZE_MAX)
 		return bake_fail(err, BAKE_EINVAL,
 		    "there is no primitive %d of mesh %d with positions",
 		    primitive, mesh);
-	if ((size_t)n != a->n)
+	if (n != a->n)
 		return bake_fail(err, BAKE_EINVAL,
-		    "%zu values for the %" JSON_INTEGER_FORMAT
-		    " vertices of primitive %d of mesh %d",
+		    "%zu values for the %zu vertices of primitive %d of mesh "
+		    "%d",
 		    a->n, n, primitive, mesh);
 	i = bake_gltf_add_accessor(g,
 	    bake_gltf_add_view(

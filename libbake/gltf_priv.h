@@ -1,4 +1,4 @@
-/* glTF files: what the modules that read, edit and write them share. */
+/* glTF files: what all that reads, edits and writes them shares. */
 /* SPDX-License-Identifier: MIT */
 #ifndef BAKE_GLTF_PRIV_H
 #define BAKE_GLTF_PRIV_H
@@ -41,10 +41,31 @@ bool bake_gltf_pad(struct bake_gltf_bytes *bytes, unsigned char fill);
 /* Note a file that was read. False: no memory. */
 bool bake_gltf_add_file(struct bake_gltf *gltf, const char *path);
 
-/* A whole file. BAKE_EIO where it cannot be read; *missing (may be NULL) tells
- * that it is not there. */
-enum bake_status bake_gltf_load(const char *path, size_t max_bytes,
-    struct bake_gltf_bytes *bytes, bool *missing, struct bake_err *err);
+/* -- the container ---------------------------------------------------------
+ */
+
+/* Bytes of somebody else's. */
+struct bake_gltf_span {
+	const unsigned char *bytes;
+	size_t n;
+};
+
+/*
+ * The JSON of a file in memory, and the binary chunk of a .glb, told apart by
+ * the first bytes. flags are jansson's.
+ *   root  out: the caller's; NULL on failure
+ *   bin   out: in the file's bytes; NULL where there is none
+ *
+ * BAKE_EDATA   truncated, no JSON, or not of version 2
+ * BAKE_ENOMEM  no memory
+ */
+enum bake_status bake_gltf_parse(const char *name, struct bake_gltf_span file,
+    size_t flags, json_t **root, struct bake_gltf_span *bin,
+    struct bake_err *err);
+
+/* A whole number >= 0; missing is fallback, anything else SIZE_MAX, which no
+ * later check lets pass. */
+size_t bake_gltf_size(const json_t *object, const char *key, size_t fallback);
 
 /* -- URIs -------------------------------------------------------------------
  */
@@ -52,12 +73,16 @@ enum bake_status bake_gltf_load(const char *path, size_t max_bytes,
 /* It names a file beside the glTF: no scheme. */
 bool bake_gltf_is_file(const char *uri);
 
-/* The path that it means in folder, %xx decoded; NULL: no memory. */
-char *bake_gltf_path(const char *folder, const char *uri);
+bool bake_gltf_is_data(const char *uri);
 
-/* The bytes of a data URI. */
-enum bake_status bake_gltf_decode(
-    const char *uri, struct bake_gltf_bytes *bytes, struct bake_err *err);
+/* The path that a relative URI means in the folder of the file name, %xx
+ * decoded (but %00). The caller's; NULL and err: no memory. */
+char *bake_gltf_path(const char *name, const char *uri, struct bake_err *err);
+
+/* The bytes of a base64 data URI of the file name: the caller's, NULL on
+ * failure. BAKE_EDATA (what is no base64 data URI), BAKE_ENOMEM. */
+enum bake_status bake_gltf_decode(const char *name, const char *uri,
+    unsigned char **bytes, size_t *n, struct bake_err *err);
 
 /* A data URI of these bytes; NULL: no memory. */
 char *bake_gltf_encode(const unsigned char *data, size_t n);
@@ -83,12 +108,18 @@ json_int_t bake_gltf_add_view(
 json_int_t bake_gltf_add_accessor(struct bake_gltf *gltf, json_int_t view,
     int component_type, size_t count, const char *type, json_t **accessor);
 
+/* Types of an accessor's components. */
 enum {
-	BAKE_GLTF_FLOAT = 5126,
+	BAKE_GLTF_INT8 = 5120,
+	BAKE_GLTF_UINT8 = 5121,
+	BAKE_GLTF_INT16 = 5122,
+	BAKE_GLTF_UINT16 = 5123,
 	BAKE_GLTF_UINT = 5125,
-	BAKE_GLTF_ARRAY = 34962,
-	BAKE_GLTF_ELEMENTS = 34963
+	BAKE_GLTF_FLOAT = 5126
 };
+
+/* What a buffer view is for. */
+enum { BAKE_GLTF_ARRAY = 34962, BAKE_GLTF_ELEMENTS = 34963 };
 
 /* A GLB of root and one buffer, which root's only buffer is. */
 enum bake_status bake_gltf_put_glb(FILE *fp, const json_t *root,

@@ -1,16 +1,16 @@
-/* glTF files: the names of files, data URIs, and files as bytes. */
+/* glTF files: the names of files, data URIs, and bytes that grow. */
 /* SPDX-License-Identifier: MIT */
 #include <ctype.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <strings.h>
 
 #include "gltf_priv.h"
+#include "mem.h"
+#include "mesh_priv.h"
 
 /* -- bytes ----------------------------------------------------------------- */
 
@@ -48,40 +48,6 @@ bake_gltf_pad(struct bake_gltf_bytes *bytes, unsigned char fill)
 	return true;
 }
 
-enum bake_status
-bake_gltf_load(const char *path, size_t max_bytes,
-    struct bake_gltf_bytes *bytes, bool *missing, struct bake_err *err)
-{
-	/* a pipe would wait for someone to write */
-	int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-	FILE *fp = fd >= 0 ? fdopen(fd, "rb") : NULL;
-	enum bake_status rc = BAKE_OK;
-	unsigned char part[65536];
-	struct stat st;
-	size_t n;
-
-	if (missing != NULL)
-		*missing = fp == NULL && errno == ENOENT;
-	if (fp == NULL) {
-		rc = bake_fail(err, BAKE_EIO, "%s: %s", path, strerror(errno));
-		if (fd >= 0)
-			close(fd);
-		return rc;
-	}
-	if (fstat(fileno(fp), &st) != 0 || !S_ISREG(st.st_mode))
-		rc = bake_fail(err, BAKE_EIO, "%s: is no regular file", path);
-	while (rc == BAKE_OK && (n = fread(part, 1, sizeof part, fp)) > 0)
-		if (n > max_bytes - bytes->n)
-			rc = bake_fail(err, BAKE_ELIMIT,
-			    "%s: is larger than %zu bytes", path, max_bytes);
-		else if (!bake_gltf_append(bytes, part, n))
-			rc = bake_fail(err, BAKE_ENOMEM, "%s: no memory", path);
-	if (rc == BAKE_OK && ferror(fp))
-		rc = bake_fail(err, BAKE_EIO, "%s: %s", path, strerror(errno));
-	fclose(fp);
-	return rc;
-}
-
 /* -- names of files -----------------------------------------------------------
  */
 
@@ -110,25 +76,27 @@ hex(char c)
 }
 
 char *
-bake_gltf_path(const char *folder, const char *uri)
+bake_gltf_path(const char *name, const char *uri, struct bake_err *err)
 {
-	size_t n = strlen(folder);
-	char *path = malloc(n + strlen(uri) + 1), *at;
+	char *text = bake_mesh_copy_text(uri, strlen(uri), err), *to = text;
+	char *path;
 
-	if (path == NULL)
+	if (text == NULL)
 		return NULL;
-	if (*uri == '/')
-		n = 0;
-	memcpy(path, folder, n);
-	for (at = path + n; *uri != '\0'; uri++)
-		if (*uri == '%' && hex(uri[1]) >= 0 && hex(uri[2]) >= 0 &&
-		    (uri[1] != '0' || uri[2] != '0')) {
-			*at++ = (char)(hex(uri[1]) * 16 + hex(uri[2]));
+	for (; *uri != '\0'; uri++) {
+		int hi = *uri == '%' ? hex(uri[1]) : -1;
+		int lo = hi >= 0 ? hex(uri[2]) : -1;
+
+		/* a NUL cannot be in a name */
+		if (lo >= 0 && hi * 16 + lo != 0) {
+			*to++ = (char)(hi * 16 + lo);
 			uri += 2;
 		} else {
-			*at++ = *uri;
+			*to++ = *uri;
 		}
-	*at = '\0';
+	}
+	path = bake_mesh_join_path(name, text, (size_t)(to - text), err);
+	free(text);
 	return path;
 }
 
@@ -174,7 +142,8 @@ bake_gltf_relative(
     const char *folder, const char *out, char **head, struct bake_err *err)
 {
 	char *from = real_folder(strcmp(out, "-") == 0 ? "./" : out);
-	char *to = real_folder(folder);
+	/* errno is the first failure's */
+	char *to = from != NULL ? real_folder(folder) : NULL;
 	enum bake_status rc = BAKE_OK;
 	size_t same = 0, nup = 0;
 	char *at;
@@ -211,8 +180,16 @@ out:
 static const char base64[] =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
+bool
+bake_gltf_is_data(const char *uri)
+{
+	return strncasecmp(uri, "data:", 5) == 0;
+}
+
+/* Returns false where the text is no base64 (RFC 4648, its padding may be
+ * missing); out has room for 3 bytes for each 4 letters begun. */
 static bool
-decode_base64(const char *text, struct bake_gltf_bytes *bytes, bool *memory)
+decode_base64(const char *text, unsigned char *out, size_t *n)
 {
 	signed char value[256];
 	unsigned bits = 0, nbits = 0;
@@ -220,44 +197,42 @@ decode_base64(const char *text, struct bake_gltf_bytes *bytes, bool *memory)
 	memset(value, -1, sizeof value);
 	for (int i = 0; i < 64; i++)
 		value[(unsigned char)base64[i]] = (signed char)i;
-	*memory = true;
 	for (; *text != '\0' && *text != '='; text++) {
 		int v = value[(unsigned char)*text];
-		unsigned char byte;
 
 		if (v < 0)
 			return false;
-		bits = bits << 6 | (unsigned)v;
+		bits = (bits << 6 | (unsigned)v) & 0xffffff;
 		nbits += 6;
 		if (nbits < 8)
 			continue;
 		nbits -= 8;
-		byte = (unsigned char)(bits >> nbits);
-		if (!bake_gltf_append(bytes, &byte, 1)) {
-			*memory = false;
-			return false;
-		}
+		out[(*n)++] = (unsigned char)(bits >> nbits);
 	}
 	return strspn(text, "=") == strlen(text) && nbits < 6;
 }
 
 enum bake_status
-bake_gltf_decode(
-    const char *uri, struct bake_gltf_bytes *bytes, struct bake_err *err)
+bake_gltf_decode(const char *name, const char *uri, unsigned char **bytes,
+    size_t *n, struct bake_err *err)
 {
 	const char *comma = strchr(uri, ',');
-	bool memory = true;
 
-	if (strncmp(uri, "data:", 5) != 0)
-		return bake_fail(err, BAKE_EDATA,
-		    "a buffer is at '%.60s', which is no file", uri);
-	if (comma == NULL || comma - uri < 12 ||
-	    strncmp(comma - 7, ";base64", 7) != 0 ||
-	    !decode_base64(comma + 1, bytes, &memory))
-		return memory ? bake_fail(err, BAKE_EDATA,
-				    "a buffer's data URI is no base64")
-			      : bake_fail(err, BAKE_ENOMEM, "no memory");
-	return BAKE_OK;
+	*n = 0;
+	*bytes = NULL;
+	if (bake_gltf_is_data(uri) && comma != NULL && comma - uri >= 12 &&
+	    strncmp(comma - 7, ";base64", 7) == 0) {
+		*bytes = bake_alloc(strlen(comma) / 4 * 3 + 3, 1, err);
+		if (*bytes == NULL)
+			return BAKE_ENOMEM;
+		if (decode_base64(comma + 1, *bytes, n))
+			return BAKE_OK;
+		free(*bytes);
+		*bytes = NULL;
+		*n = 0;
+	}
+	return bake_fail(
+	    err, BAKE_EDATA, "'%s' has a data URI that is not base64", name);
 }
 
 char *

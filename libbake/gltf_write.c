@@ -1,11 +1,14 @@
 /* glTF files: writing, as JSON or with all in one file. */
 /* SPDX-License-Identifier: MIT */
+#include <errno.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "gltf_priv.h"
+#include "mesh_priv.h"
 #include "quadric_text_priv.h"
 
 /* -- JSON as text -------------------------------------------------------------
@@ -253,29 +256,26 @@ move_or_embed(struct bake_gltf *g, json_t *root, json_t *image,
 	struct bake_gltf_bytes file = { NULL, 0, 0 };
 	enum bake_status rc = BAKE_OK;
 	const char *mime = NULL;
-	bool missing = false, ok;
+	bool missing, ok;
 	char *path;
 
 	if (uri == NULL || !bake_gltf_is_file(uri))
 		return BAKE_OK;
 	if (buffer != NULL) {
-		path = bake_gltf_path(g->folder, uri);
+		path = bake_gltf_path(g->folder, uri, err);
 		if (path == NULL)
-			return bake_fail(err, BAKE_ENOMEM, "no memory");
-		rc = bake_gltf_load(path, UINT32_MAX, &file, &missing, err);
-		if (rc == BAKE_OK && !bake_gltf_add_file(g, path))
+			return BAKE_ENOMEM;
+		missing = access(path, F_OK) != 0 && errno == ENOENT;
+		if (!missing)
+			rc = bake_mesh_load_file(
+			    path, UINT32_MAX, &file.data, &file.n, err);
+		if (rc == BAKE_OK && !missing && !bake_gltf_add_file(g, path))
 			rc = bake_fail(err, BAKE_ENOMEM, "no memory");
 		free(path);
 		mime = mime_type(&file);
 	}
-	if (rc != BAKE_OK && !missing)
+	if (rc != BAKE_OK)
 		goto out;
-	if (missing) {
-		const struct bake_err none = BAKE_ERR_INIT;
-
-		*err = none;
-		mime = NULL;
-	}
 	ok = mime != NULL ? embed(root, image, &file, mime, buffer)
 			  : move_uri(image, head);
 	rc = ok ? BAKE_OK : bake_fail(err, BAKE_ENOMEM, "no memory");

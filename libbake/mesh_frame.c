@@ -192,10 +192,10 @@ bake_frame_start(struct frame_job *job, int nthreads, struct bake_err *err)
 		job->params->normals != BAKE_NORMALS_COMPUTED) ||
 	    (job->mesh->tangents != NULL &&
 		job->params->tangents == BAKE_TANGENTS_FILE);
-	job->nbenches = nthreads;
 	job->benches = bake_zalloc((size_t)nthreads, sizeof *job->benches, err);
 	if (job->benches == NULL)
 		return BAKE_ENOMEM;
+	job->nbenches = nthreads;
 	for (int i = 0; i < nthreads; i++) {
 		struct frame_bench *b = &job->benches[i];
 

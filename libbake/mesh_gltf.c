@@ -1,10 +1,7 @@
-/* glTF 2.0: the container and its buffers. */
+/* glTF 2.0: a mesh file and its buffers. */
 /* SPDX-License-Identifier: MIT */
-#include <jansson.h>
-#include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
-#include <strings.h>
 
 #include "mem.h"
 #include "mesh_gltf_priv.h"
@@ -27,21 +24,6 @@ bake_mesh_gltf_item(
 	return item;
 }
 
-size_t
-bake_mesh_gltf_size(const json_t *object, const char *key, size_t fallback)
-{
-	const json_t *x = json_object_get(object, key);
-	double v;
-
-	if (x == NULL)
-		return fallback;
-	if (!json_is_number(x))
-		return SIZE_MAX;
-	v = json_number_value(x);
-	return v >= 0.0 && v <= 9007199254740992.0 && v == floor(v) ? (size_t)v
-								    : SIZE_MAX;
-}
-
 double
 bake_mesh_gltf_number(const json_t *object, const char *key, double fallback)
 {
@@ -61,88 +43,6 @@ bake_mesh_gltf_numbers(
 			x[i] = json_number_value(json_array_get(list, i));
 }
 
-/* -- URIs ---------------------------------------------------------------- */
-
-static int
-base64_digit(char c)
-{
-	static const char digits[] =
-	    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-	const char *p = c != '\0' ? strchr(digits, c) : NULL;
-
-	return p != NULL ? (int)(p - digits) : -1;
-}
-
-enum bake_status
-bake_mesh_gltf_data_uri(const struct gltf *g, const char *uri,
-    unsigned char **bytes, size_t *n, struct bake_err *err)
-{
-	const char *p = strstr(uri, ";base64,");
-	unsigned bits = 0;
-	int nbits = 0;
-
-	*n = 0;
-	*bytes = NULL;
-	if (p == NULL || strchr(uri, ',') < p)
-		return bake_fail(err, BAKE_EDATA,
-		    "'%s' has a data URI that is not base64", g->b->src->name);
-	p += strlen(";base64,");
-	if ((*bytes = bake_alloc(strlen(p) / 4 * 3 + 3, 1, err)) == NULL)
-		return BAKE_ENOMEM;
-	for (; *p != '\0' && *p != '='; p++) {
-		int digit = base64_digit(*p);
-
-		if (digit < 0) {
-			free(*bytes);
-			*bytes = NULL;
-			return bake_fail(err, BAKE_EDATA,
-			    "'%s' has a data URI that is not base64",
-			    g->b->src->name);
-		}
-		bits = (bits << 6 | (unsigned)digit) & 0xffffff;
-		nbits += 6;
-		if (nbits >= 8) {
-			nbits -= 8;
-			(*bytes)[(*n)++] = (unsigned char)(bits >> nbits);
-		}
-	}
-	return BAKE_OK;
-}
-
-static int
-hex_digit(char c)
-{
-	return c >= '0' && c <= '9'   ? c - '0'
-	       : c >= 'a' && c <= 'f' ? c - 'a' + 10
-	       : c >= 'A' && c <= 'F' ? c - 'A' + 10
-				      : -1;
-}
-
-char *
-bake_mesh_gltf_path(const struct gltf *g, const char *uri, struct bake_err *err)
-{
-	char *text = bake_mesh_copy_text(uri, strlen(uri), err), *to = text,
-	     *path;
-
-	if (text == NULL)
-		return NULL;
-	for (const char *p = uri; *p != '\0'; p++) {
-		int hi = *p == '%' ? hex_digit(p[1]) : -1;
-		int lo = hi >= 0 ? hex_digit(p[2]) : -1;
-
-		if (lo >= 0 && hi * 16 + lo != 0) {
-			*to++ = (char)(hi * 16 + lo);
-			p += 2;
-		} else {
-			*to++ = *p;
-		}
-	}
-	path = bake_mesh_join_path(
-	    g->b->src->name, text, (size_t)(to - text), err);
-	free(text);
-	return path;
-}
-
 /* -- buffers ------------------------------------------------------------- */
 
 static enum bake_status
@@ -154,16 +54,16 @@ load_uri(struct gltf *g, struct gltf_buffer *buffer, const char *uri,
 	char *path;
 	enum bake_status rc;
 
-	if (strncasecmp(uri, "data:", 5) == 0) {
-		rc = bake_mesh_gltf_data_uri(
-		    g, uri, &buffer->owned, &buffer->n, err);
+	if (bake_gltf_is_data(uri)) {
+		rc = bake_gltf_decode(
+		    src->name, uri, &buffer->owned, &buffer->n, err);
 		buffer->bytes = buffer->owned;
 		return rc;
 	}
 	if (!src->params->side_files)
 		return bake_fail(err, BAKE_EDATA, "'%s' needs the file '%s'",
 		    src->name, uri);
-	if ((path = bake_mesh_gltf_path(g, uri, err)) == NULL)
+	if ((path = bake_gltf_path(src->name, uri, err)) == NULL)
 		return BAKE_ENOMEM;
 	rc = bake_mesh_load_file(
 	    path, src->params->max_bytes, &buffer->owned, &buffer->n, &why);
@@ -191,13 +91,13 @@ load_buffer(struct gltf *g, size_t index, struct bake_err *err)
 	if (buffer->loaded)
 		return BAKE_OK;
 	uri = json_string_value(json_object_get(object, "uri"));
-	length = bake_mesh_gltf_size(object, "byteLength", SIZE_MAX);
+	length = bake_gltf_size(object, "byteLength", SIZE_MAX);
 	if (uri != NULL) {
 		if ((rc = load_uri(g, buffer, uri, err)) != BAKE_OK)
 			return rc;
-	} else if (index == 0 && g->bin != NULL) {
-		buffer->bytes = g->bin;
-		buffer->n = g->nbin;
+	} else if (index == 0 && g->bin.bytes != NULL) {
+		buffer->bytes = g->bin.bytes;
+		buffer->n = g->bin.n;
 	}
 	if (length > buffer->n)
 		return bake_fail(err, BAKE_EDATA,
@@ -225,12 +125,12 @@ bake_mesh_gltf_view(struct gltf *g, size_t index, const unsigned char **bytes,
 		    "'%s' is compressed by meshopt, which cannot be read: "
 		    "export it without",
 		    g->b->src->name);
-	buffer = bake_mesh_gltf_size(view, "buffer", SIZE_MAX);
+	buffer = bake_gltf_size(view, "buffer", SIZE_MAX);
 	if ((rc = load_buffer(g, buffer, err)) != BAKE_OK)
 		return rc;
-	offset = bake_mesh_gltf_size(view, "byteOffset", 0);
-	*n = bake_mesh_gltf_size(view, "byteLength", SIZE_MAX);
-	*stride = bake_mesh_gltf_size(view, "byteStride", 0);
+	offset = bake_gltf_size(view, "byteOffset", 0);
+	*n = bake_gltf_size(view, "byteLength", SIZE_MAX);
+	*stride = bake_gltf_size(view, "byteStride", 0);
 	if (offset > g->buffers[buffer].n ||
 	    *n > g->buffers[buffer].n - offset || *stride > 252)
 		return bake_fail(err, BAKE_EDATA,
@@ -241,84 +141,16 @@ bake_mesh_gltf_view(struct gltf *g, size_t index, const unsigned char **bytes,
 	return BAKE_OK;
 }
 
-/* -- the container ------------------------------------------------------- */
-
-static uint32_t
-little32(const unsigned char *p)
-{
-	return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 |
-	       (uint32_t)p[3] << 24;
-}
-
-/* The chunks of a .glb. */
-static enum bake_status
-split_glb(struct gltf *g, const unsigned char **text, size_t *ntext,
-    struct bake_err *err)
-{
-	enum { HEADER = 12, CHUNK = 8, JSON = 0x4e4f534a, BIN = 0x004e4942 };
-	const struct mesh_source *src = g->b->src;
-	const unsigned char *p = src->bytes;
-	size_t length, at = HEADER;
-
-	if (src->nbytes < HEADER)
-		return bake_fail(
-		    err, BAKE_EDATA, "'%s' is truncated", src->name);
-	if (little32(p + 4) != 2)
-		return bake_fail(err, BAKE_EDATA,
-		    "'%s' is binary glTF of version %u, expected 2", src->name,
-		    (unsigned)little32(p + 4));
-	length = little32(p + 8);
-	if (length > src->nbytes)
-		return bake_fail(err, BAKE_EDATA,
-		    "'%s' is truncated: it has %zu bytes, expected %zu",
-		    src->name, src->nbytes, length);
-	*text = NULL;
-	while (length >= CHUNK && at <= length - CHUNK) {
-		size_t n = little32(p + at), type = little32(p + at + 4);
-
-		at += CHUNK;
-		if (n > length - at)
-			return bake_fail(err, BAKE_EDATA,
-			    "'%s' has a chunk of %zu bytes, %zu are left",
-			    src->name, n, length - at);
-		if (type == JSON && *text == NULL) {
-			*text = p + at;
-			*ntext = n;
-		} else if (type == BIN && g->bin == NULL) {
-			g->bin = p + at;
-			g->nbin = n;
-		}
-		at += n;
-	}
-	if (*text == NULL)
-		return bake_fail(
-		    err, BAKE_EDATA, "'%s' has no JSON chunk", src->name);
-	return BAKE_OK;
-}
-
 static enum bake_status
 parse(struct gltf *g, struct bake_err *err)
 {
 	const struct mesh_source *src = g->b->src;
-	const unsigned char *text = src->bytes;
-	size_t ntext = src->nbytes;
-	json_error_t why;
-	const char *version;
-	enum bake_status rc;
+	const struct bake_gltf_span file = { src->bytes, src->nbytes };
+	enum bake_status rc =
+	    bake_gltf_parse(src->name, file, 0, &g->root, &g->bin, err);
 
-	if (ntext >= 4 && memcmp(text, "glTF", 4) == 0 &&
-	    (rc = split_glb(g, &text, &ntext, err)) != BAKE_OK)
+	if (rc != BAKE_OK)
 		return rc;
-	g->root = json_loadb((const char *)text, ntext, 0, &why);
-	if (g->root == NULL)
-		return bake_fail(err, BAKE_EDATA, "'%s' line %d: %s", src->name,
-		    why.line, why.text);
-	version = json_string_value(
-	    json_object_get(json_object_get(g->root, "asset"), "version"));
-	if (version == NULL || strncmp(version, "2.", 2) != 0)
-		return bake_fail(err, BAKE_EDATA,
-		    "'%s' is glTF of version %s, expected 2.0", src->name,
-		    version != NULL ? version : "unknown");
 	g->nbuffers = json_array_size(json_object_get(g->root, "buffers"));
 	g->buffers = bake_zalloc(g->nbuffers, sizeof *g->buffers, err);
 	return g->buffers != NULL ? BAKE_OK : BAKE_ENOMEM;

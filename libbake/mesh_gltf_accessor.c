@@ -1,6 +1,5 @@
 /* glTF 2.0: accessors, the arrays of vertex data. */
 /* SPDX-License-Identifier: MIT */
-#include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,27 +7,18 @@
 #include "mem.h"
 #include "mesh_gltf_priv.h"
 
-enum component {
-	INT8 = 5120,
-	UINT8 = 5121,
-	INT16 = 5122,
-	UINT16 = 5123,
-	UINT32 = 5125,
-	FLOAT = 5126
-};
-
 static size_t
 component_size(size_t type)
 {
 	switch (type) {
-	case INT8:
-	case UINT8:
+	case BAKE_GLTF_INT8:
+	case BAKE_GLTF_UINT8:
 		return 1;
-	case INT16:
-	case UINT16:
+	case BAKE_GLTF_INT16:
+	case BAKE_GLTF_UINT16:
 		return 2;
-	case UINT32:
-	case FLOAT:
+	case BAKE_GLTF_UINT:
+	case BAKE_GLTF_FLOAT:
 		return 4;
 	default:
 		return 0;
@@ -46,16 +36,16 @@ component(const unsigned char *p, size_t type, bool normalized)
 	if (component_size(type) > 2)
 		u |= (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
 	switch (type) {
-	case INT8:
+	case BAKE_GLTF_INT8:
 		return normalized ? fmax((int8_t)u / 127.0, -1.0) : (int8_t)u;
-	case UINT8:
+	case BAKE_GLTF_UINT8:
 		return normalized ? u / 255.0 : u;
-	case INT16:
+	case BAKE_GLTF_INT16:
 		return normalized ? fmax((int16_t)u / 32767.0, -1.0)
 				  : (int16_t)u;
-	case UINT16:
+	case BAKE_GLTF_UINT16:
 		return normalized ? u / 65535.0 : u;
-	case UINT32:
+	case BAKE_GLTF_UINT:
 		return u;
 	default:
 		memcpy(&f, &u, sizeof f);
@@ -119,11 +109,11 @@ read_sparse(struct gltf *g, const json_t *sparse, const struct layout *l,
 {
 	const json_t *at = json_object_get(sparse, "indices");
 	const json_t *with = json_object_get(sparse, "values");
-	struct layout li = { bake_mesh_gltf_size(at, "componentType", 0),
-		bake_mesh_gltf_size(sparse, "count", SIZE_MAX), 1, false };
+	struct layout li = { bake_gltf_size(at, "componentType", 0),
+		bake_gltf_size(sparse, "count", SIZE_MAX), 1, false };
 	struct layout lv = *l;
-	size_t view_at = bake_mesh_gltf_size(at, "bufferView", SIZE_MAX);
-	size_t view_with = bake_mesh_gltf_size(with, "bufferView", SIZE_MAX);
+	size_t view_at = bake_gltf_size(at, "bufferView", SIZE_MAX);
+	size_t view_with = bake_gltf_size(with, "bufferView", SIZE_MAX);
 	double *index = NULL, *replaced = NULL;
 	size_t nc = (size_t)l->ncomponents;
 	enum bake_status rc;
@@ -137,12 +127,11 @@ read_sparse(struct gltf *g, const json_t *sparse, const struct layout *l,
 	replaced = bake_alloc(li.count, nc * sizeof *replaced, err);
 	rc = index == NULL || replaced == NULL ? BAKE_ENOMEM : BAKE_OK;
 	if (rc == BAKE_OK)
-		rc = read_view(g, view_at,
-		    bake_mesh_gltf_size(at, "byteOffset", 0), &li, index, err);
+		rc = read_view(g, view_at, bake_gltf_size(at, "byteOffset", 0),
+		    &li, index, err);
 	if (rc == BAKE_OK)
 		rc = read_view(g, view_with,
-		    bake_mesh_gltf_size(with, "byteOffset", 0), &lv, replaced,
-		    err);
+		    bake_gltf_size(with, "byteOffset", 0), &lv, replaced, err);
 	for (size_t i = 0; rc == BAKE_OK && i < li.count; i++) {
 		if (!(index[i] >= 0.0 && index[i] < (double)l->count)) {
 			rc = bake_fail(err, BAKE_EDATA,
@@ -172,12 +161,12 @@ bake_mesh_gltf_accessor(
 	memset(out, 0, sizeof *out);
 	if (a == NULL)
 		return BAKE_EDATA;
-	l.type = bake_mesh_gltf_size(a, "componentType", 0);
-	l.count = bake_mesh_gltf_size(a, "count", SIZE_MAX);
+	l.type = bake_gltf_size(a, "componentType", 0);
+	l.count = bake_gltf_size(a, "count", SIZE_MAX);
 	l.ncomponents = component_count(a);
 	l.normalized = json_is_true(json_object_get(a, "normalized"));
-	view = bake_mesh_gltf_size(a, "bufferView", SIZE_MAX);
-	offset = bake_mesh_gltf_size(a, "byteOffset", 0);
+	view = bake_gltf_size(a, "bufferView", SIZE_MAX);
+	offset = bake_gltf_size(a, "byteOffset", 0);
 	if (component_size(l.type) == 0 || l.ncomponents == 0 ||
 	    l.count == SIZE_MAX)
 		return bake_fail(err, BAKE_EDATA,

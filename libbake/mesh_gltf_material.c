@@ -1,6 +1,5 @@
 /* glTF 2.0: materials and their pictures. */
 /* SPDX-License-Identifier: MIT */
-#include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,8 +38,8 @@ image_in_view(struct gltf *g, const json_t *image, struct bake_texture *to,
 	const unsigned char *bytes;
 	size_t n, stride;
 	enum bake_status rc = bake_mesh_gltf_view(g,
-	    bake_mesh_gltf_size(image, "bufferView", SIZE_MAX), &bytes, &n,
-	    &stride, err);
+	    bake_gltf_size(image, "bufferView", SIZE_MAX), &bytes, &n, &stride,
+	    err);
 
 	if (rc != BAKE_OK)
 		return rc;
@@ -67,11 +66,12 @@ take_image(
 	uri = json_string_value(json_object_get(image, "uri"));
 	if (uri == NULL)
 		return image_in_view(g, image, to, err);
-	if (strncasecmp(uri, "data:", 5) != 0) {
-		to->path = bake_mesh_gltf_path(g, uri, err);
+	if (!bake_gltf_is_data(uri)) {
+		to->path = bake_gltf_path(g->b->src->name, uri, err);
 		return to->path != NULL ? BAKE_OK : BAKE_ENOMEM;
 	}
-	rc = bake_mesh_gltf_data_uri(g, uri, &to->bytes, &to->nbytes, err);
+	rc = bake_gltf_decode(
+	    g->b->src->name, uri, &to->bytes, &to->nbytes, err);
 	if (rc != BAKE_OK)
 		return rc;
 	to->path = name_of_type(uri + 5, strcspn(uri + 5, ";,"), err);
@@ -81,7 +81,7 @@ take_image(
 static enum bake_tex_wrap
 wrap_of(const json_t *sampler, const char *key)
 {
-	switch (bake_mesh_gltf_size(sampler, key, 10497)) {
+	switch (bake_gltf_size(sampler, key, 10497)) {
 	case 33071:
 		return BAKE_TEX_CLAMP;
 	case 33648:
@@ -119,7 +119,7 @@ take_transform(const json_t *info, struct bake_texture *to)
 	to->uv_matrix[1][1] = c * scale[1];
 	to->uv_matrix[1][2] = 1.0 - c * scale[1] - offset[1];
 	to->uv_set =
-	    (int)(bake_mesh_gltf_size(t, "texCoord", (size_t)to->uv_set) & 255);
+	    (int)(bake_gltf_size(t, "texCoord", (size_t)to->uv_set) & 255);
 }
 
 /* The image of a texture; SIZE_MAX where it has none that we know of. */
@@ -128,11 +128,10 @@ image_of(const json_t *texture)
 {
 	const json_t *webp = json_object_get(
 	    json_object_get(texture, "extensions"), "EXT_texture_webp");
-	size_t source = bake_mesh_gltf_size(texture, "source", SIZE_MAX);
+	size_t source = bake_gltf_size(texture, "source", SIZE_MAX);
 
-	return source != SIZE_MAX
-		   ? source
-		   : bake_mesh_gltf_size(webp, "source", SIZE_MAX);
+	return source != SIZE_MAX ? source
+				  : bake_gltf_size(webp, "source", SIZE_MAX);
 }
 
 static enum bake_status
@@ -145,14 +144,14 @@ take_texture(struct gltf *g, const json_t *info, struct bake_texture *to,
 	if (!json_is_object(info))
 		return BAKE_OK;
 	texture = bake_mesh_gltf_item(
-	    g, "textures", bake_mesh_gltf_size(info, "index", SIZE_MAX), err);
+	    g, "textures", bake_gltf_size(info, "index", SIZE_MAX), err);
 	if (texture == NULL)
 		return BAKE_EDATA;
-	to->uv_set = (int)(bake_mesh_gltf_size(info, "texCoord", 0) & 255);
+	to->uv_set = (int)(bake_gltf_size(info, "texCoord", 0) & 255);
 	take_transform(info, to);
 	if (json_object_get(texture, "sampler") != NULL) {
 		sampler = bake_mesh_gltf_item(g, "samplers",
-		    bake_mesh_gltf_size(texture, "sampler", SIZE_MAX), err);
+		    bake_gltf_size(texture, "sampler", SIZE_MAX), err);
 		if (sampler == NULL)
 			return BAKE_EDATA;
 		to->wrap_u = wrap_of(sampler, "wrapS");

@@ -3,10 +3,8 @@
 #ifndef BAKE_MESH_GLTF_PRIV_H
 #define BAKE_MESH_GLTF_PRIV_H
 
+#include "gltf_priv.h"
 #include "mesh_priv.h"
-
-/* jansson's, named in mesh_gltf*.c only */
-struct json_t;
 
 struct gltf_buffer {
 	const unsigned char *bytes;
@@ -17,9 +15,8 @@ struct gltf_buffer {
 
 struct gltf {
 	struct mesh_builder *b;
-	struct json_t *root;
-	const unsigned char *bin; /* the chunk of a .glb, or NULL */
-	size_t nbin;
+	json_t *root;
+	struct bake_gltf_span bin; /* the chunk of a .glb, or NULL */
 	struct gltf_buffer *buffers;
 	size_t nbuffers;
 };
@@ -32,17 +29,13 @@ struct gltf_values {
 };
 
 /* root[array][index], an object; NULL and err where it is not there. */
-struct json_t *bake_mesh_gltf_item(const struct gltf *g, const char *array,
+json_t *bake_mesh_gltf_item(const struct gltf *g, const char *array,
     size_t index, struct bake_err *err);
-/* A whole number >= 0; missing is fallback, anything else SIZE_MAX, which no
- * later check lets pass. */
-size_t bake_mesh_gltf_size(
-    const struct json_t *object, const char *key, size_t fallback);
 /* Up to n numbers of an array; what is missing stays. */
 void bake_mesh_gltf_numbers(
-    const struct json_t *object, const char *key, double *x, size_t n);
+    const json_t *object, const char *key, double *x, size_t n);
 double bake_mesh_gltf_number(
-    const struct json_t *object, const char *key, double fallback);
+    const json_t *object, const char *key, double fallback);
 
 /* A buffer view's bytes; they live as long as g. */
 enum bake_status bake_mesh_gltf_view(struct gltf *g, size_t index,
@@ -50,13 +43,6 @@ enum bake_status bake_mesh_gltf_view(struct gltf *g, size_t index,
     struct bake_err *err);
 enum bake_status bake_mesh_gltf_accessor(struct gltf *g, size_t index,
     struct gltf_values *out, struct bake_err *err);
-/* The bytes of a base64 data URI; *bytes is the caller's. */
-enum bake_status bake_mesh_gltf_data_uri(const struct gltf *g, const char *uri,
-    unsigned char **bytes, size_t *n, struct bake_err *err);
-/* The path that a relative URI means, its %XX decoded; the caller's. */
-char *bake_mesh_gltf_path(
-    const struct gltf *g, const char *uri, struct bake_err *err);
-
 enum bake_status bake_mesh_gltf_materials(struct gltf *g, struct bake_err *err);
 enum bake_status bake_mesh_gltf_scene(struct gltf *g, struct bake_err *err);
 

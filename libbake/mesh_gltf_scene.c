@@ -1,6 +1,5 @@
 /* glTF 2.0: nodes and the triangles of their meshes. */
 /* SPDX-License-Identifier: MIT */
-#include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,7 +51,7 @@ read_attribute(struct gltf *g, const json_t *attributes, const char *name,
 	if (json_object_get(attributes, name) == NULL)
 		return BAKE_OK;
 	rc = bake_mesh_gltf_accessor(
-	    g, bake_mesh_gltf_size(attributes, name, SIZE_MAX), out, err);
+	    g, bake_gltf_size(attributes, name, SIZE_MAX), out, err);
 	if (rc == BAKE_OK &&
 	    (out->ncomponents < least || out->ncomponents > most))
 		return bake_fail(err, BAKE_EDATA,
@@ -96,8 +95,8 @@ static enum bake_status
 read_primitive(struct gltf *g, const json_t *from, struct primitive *p,
     struct bake_err *err)
 {
-	size_t mode = bake_mesh_gltf_size(from, "mode", TRIANGLES);
-	size_t material = bake_mesh_gltf_size(from, "material", SIZE_MAX);
+	size_t mode = bake_gltf_size(from, "mode", TRIANGLES);
+	size_t material = bake_gltf_size(from, "material", SIZE_MAX);
 	enum bake_status rc;
 
 	memset(p, 0, sizeof *p);
@@ -355,7 +354,7 @@ add_node(struct walk *w, size_t index, const double parent[3][4], int depth,
 	bake_mesh_affine_prepare(&m);
 	if (json_object_get(node, "mesh") != NULL)
 		rc = add_mesh(w->g, (int)index,
-		    bake_mesh_gltf_size(node, "mesh", SIZE_MAX), &m, err);
+		    bake_gltf_size(node, "mesh", SIZE_MAX), &m, err);
 	for (size_t i = 0; rc == BAKE_OK && i < json_array_size(children);
 	     i++) {
 		const json_t *c = json_array_get(children, i);
@@ -426,7 +425,7 @@ bake_mesh_gltf_scene(struct gltf *g, struct bake_err *err)
 		goto out;
 	}
 	scene = bake_mesh_gltf_item(
-	    g, "scenes", bake_mesh_gltf_size(g->root, "scene", 0), err);
+	    g, "scenes", bake_gltf_size(g->root, "scene", 0), err);
 	roots = json_object_get(scene, "nodes");
 	if (scene == NULL)
 		rc = BAKE_EDATA;

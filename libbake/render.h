@@ -144,8 +144,8 @@ struct bake_render_params {
  * The picture, each [height][width]; those that are not wanted are left out by
  * want. A pixel with several samples: color and mask are their mean, the others
  * the mean of those that hit something.
- *   color     4: r g b scene-linear, not multiplied by a; a = mask, or the
- *             background's
+ *   color     4: r g b scene-linear, multiplied by a: the mean of the samples,
+ *             the background's colour times its alpha where nothing is hit
  *   distance  1: from the eye along the ray, mesh units; +infinity: nothing
  *   normal    3: in world space
  *   ao        1

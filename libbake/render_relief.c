@@ -100,6 +100,35 @@ lift_off(struct render_batch *b)
 	}
 }
 
+/* An impostor has no surface with the light behind it: each shadow ray leaves
+ * the box, by whichever side. */
+static void
+aim_out_of_box(struct render_batch *b)
+{
+	const struct bake_render_object *o = b->object;
+	const float deep = (float)(o->box[1][2] - o->box[0][2]);
+
+	for (int i = 0; i < b->n; i++) {
+		const float at[3] = { b->su[i], b->sv[i], b->sz[i] };
+		float step[3] = { b->sdu[i], b->sdv[i], b->sdz[i] };
+		float t = INFINITY;
+
+		if (b->hit[i] < 0)
+			continue;
+		/* it was made for a relief of depth o->depth */
+		step[2] *= (float)o->depth / deep;
+		for (int k = 0; k < 3; k++)
+			if (step[k] > 0)
+				t = fminf(t, (1 - at[k]) / step[k]);
+			else if (step[k] < 0)
+				t = fminf(t, -at[k] / step[k]);
+		b->sdz[i] = step[2];
+		b->sq[i] = 0;
+		b->st_end[i] = t > 0 ? t : 0;
+		b->lit[i] = 1;
+	}
+}
+
 void
 bake_render_shadow(
     struct render_batch *b, const struct bake_render_params *params)
@@ -109,6 +138,8 @@ bake_render_shadow(
 
 	b->kernels->aim_at_light(b, &params->light);
 	b->shadow.n = b->n;
+	if (o->impostor)
+		aim_out_of_box(b);
 	if (o->multi != NULL) {
 		lift_off(b);
 		bake_multi_march_any(o->multi, &params->march, 0, &b->shadow);
