@@ -22,9 +22,11 @@ enum {
 	KEY_DIFFERENCE,
 	KEY_FOV,
 	KEY_GROUND,
+	KEY_HORIZONS,
 	KEY_IMPOSTOR,
 	KEY_LAYER_DEPTH_SCALE,
 	KEY_LIGHT,
+	KEY_LIGHT_SIZE,
 	KEY_MODEL,
 	KEY_MULTILAYER,
 	KEY_NORMAL_BLEND,
@@ -85,12 +87,16 @@ const struct cmd_option render_options[] = {
 	{ KEY_FOV, "fov", "DEG", "vertical angle of view (default 40)" },
 	{ KEY_GROUND, "ground", "FILE",
 	    "multilayer: what is seen through its holes is this colour" },
+	{ KEY_HORIZONS, "horizons", "FILE",
+	    "of the relief, from rm-aobake: its shadows are soft" },
 	{ KEY_IMPOSTOR, "impostor", "PREFIX",
 	    "a box filled by what rm-multilayer wrote" },
 	{ KEY_LAYER_DEPTH_SCALE, "layer-depth-scale", "S",
 	    "that the next layer was made for" },
 	{ KEY_LIGHT, "light", "X,Y,Z",
 	    "direction to the light (default -1,2,1.5)" },
+	{ KEY_LIGHT_SIZE, "light-size", "DEG",
+	    "radius of the light, for --horizons (default 5)" },
 	{ KEY_MODEL, "model", "NAME",
 	    "of --roughen: paper, facet (default), blackshot or flat" },
 	{ KEY_MULTILAYER, "multilayer", "PREFIX",
@@ -288,6 +294,9 @@ set_object(struct cmd *cmd, struct render_opts *o, int key, const char *arg)
 	case 's':
 		return cmd_number(
 		    cmd, "depth-scale", arg, 1e-9, 1e6, &obj->depth_scale);
+	case KEY_HORIZONS:
+		obj->horizons = arg;
+		return true;
 	case KEY_IMPOSTOR:
 		if (!begin_object(cmd, o, "box"))
 			return false;
@@ -480,6 +489,9 @@ set_picture(struct cmd *cmd, struct render_opts *o, int key, const char *arg)
 	case KEY_LIGHT:
 	case KEY_POINT_LIGHT:
 		return set_light(cmd, o, key, arg);
+	case KEY_LIGHT_SIZE:
+		return cmd_number(
+		    cmd, "light-size", arg, 0.01, 60, &o->light_size);
 	case KEY_ORTHOGRAPHIC:
 		o->camera.fov_deg = 0;
 		return cmd_number(cmd, "orthographic", arg, 1e-9, 1e9,
@@ -534,6 +546,7 @@ render_set_option(struct cmd *cmd, int key, const char *arg)
 	case KEY_COLOR:
 	case KEY_GROUND:
 	case KEY_DEPTH:
+	case KEY_HORIZONS:
 	case KEY_IMPOSTOR:
 	case KEY_MULTILAYER:
 	case KEY_QUADRIC:
@@ -594,6 +607,9 @@ render_usage(struct cmd *cmd, struct render_opts *o)
 			return cmd_usage_error(cmd,
 			    "--relief, --multilayer and --impostor exclude "
 			    "each other on one object");
+		if (obj->horizons != NULL && obj->nlayers != 1)
+			return cmd_usage_error(
+			    cmd, "--horizons takes one layer of relief");
 		if (obj->nlayers > 1 && o->silhouette == BAKE_SILHOUETTE_SHELL)
 			return cmd_usage_error(cmd,
 			    "--silhouette shell takes one layer of relief");

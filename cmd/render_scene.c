@@ -337,6 +337,32 @@ load_layers(struct cmd *cmd, const struct render_object_opts *obj,
 	return true;
 }
 
+/* The horizons of the one layer, and how much steeper it is than they say. */
+static bool
+load_horizons(struct cmd *cmd, const struct render_object_opts *obj,
+    double scale, struct bake_render_object *out, struct render_loaded *l)
+{
+	struct cmd_map map = CMD_MAP_INIT;
+	bool ok = cmd_read(cmd, obj->horizons, &map);
+
+	if (ok &&
+	    (map.meta.layout != BAKE_LAYOUT_HORIZONS || map.img.nchans < 3)) {
+		cmd_error(cmd, "%s: holds no horizons of rm-aobake --horizons",
+		    obj->horizons);
+		ok = false;
+	}
+	if (ok) {
+		out->horizon_slope =
+		    map.meta.depth_scale > 0
+			? scale * obj->layer[0].tile_u / map.meta.depth_scale
+			: 1;
+		bake_image_swap(&l->horizons, &map.img);
+		out->horizons = &l->horizons;
+	}
+	cmd_map_free(&map);
+	return ok;
+}
+
 /* -- multilayer relief -------------------------------------------------------
  */
 
@@ -512,6 +538,8 @@ load_object(struct cmd *cmd, const struct render_opts *o,
 		ok = load_mesh(cmd, o, obj, l) && load_quadrics(cmd, o, obj, l);
 	if (ok && obj->nlayers > 0)
 		ok = load_layers(cmd, obj, o->blend, l, &scale);
+	if (ok && obj->horizons != NULL)
+		ok = load_horizons(cmd, obj, scale, out, l);
 	if (ok && (obj->multilayer != NULL || obj->impostor != NULL))
 		ok = load_multi(cmd, color, obj, out, l, &scale);
 	if (!ok || !load_materials(cmd, o, color, obj, out, l))
@@ -569,6 +597,7 @@ render_scene_free(struct render_scene *scene)
 		bake_multi_map_close(l->multi);
 		bake_image_free(&l->color);
 		bake_image_free(&l->ground);
+		bake_image_free(&l->horizons);
 		free(l->quadrics);
 		bake_frames_free(&l->frames);
 		bake_weld_free(&l->weld);

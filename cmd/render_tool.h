@@ -28,6 +28,7 @@ struct render_layer_opts {
 struct render_object_opts {
 	const char *shape; /* a name or a file; NULL: the plane */
 	const char *multilayer, *impostor, *color, *ground;
+	const char *horizons;
 	const char *quadric; /* "auto", "none" or a file */
 	struct render_layer_opts layer[RENDER_MAX_LAYERS];
 	int nlayers;
@@ -52,7 +53,7 @@ struct render_opts {
 		bool point;
 		double at[3];
 	} light;
-	double ambient, specular;
+	double ambient, specular, light_size;
 	int shininess, samples, detail, turntable;
 	struct bake_march_params march;
 	enum bake_silhouette silhouette;
@@ -77,7 +78,7 @@ struct render_loaded {
 	struct bake_relief_map *maps[RENDER_MAX_LAYERS];
 	struct bake_render_layer layers[RENDER_MAX_LAYERS];
 	struct bake_multi_map *multi;
-	struct bake_image color, ground;
+	struct bake_image color, ground, horizons;
 	struct bake_render_material ground_material;
 	struct bake_roughen roughen;
 	double lo[3], hi[3]; /* its box in the world */

@@ -101,6 +101,8 @@ params_of(struct cmd *cmd, const struct render_opts *o)
 		.depth_bias = o->depth_bias,
 		.nthreads = cmd->nthreads };
 
+	p.light.radius =
+	    (float)sin(o->light_size * (3.14159265358979323846 / 180));
 	p.light.point = o->light.point;
 	for (int k = 0; k < 3; k++) {
 		p.light.at[k] = o->light.at[k];
@@ -206,6 +208,7 @@ main(int argc, char *argv[])
 		.light = { .at = { -1, 2, 1.5 } },
 		.ambient = 0.3,
 		.specular = 0.1,
+		.light_size = 5,
 		.shininess = 40,
 		.samples = 1,
 		.detail = 16,

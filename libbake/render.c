@@ -56,6 +56,8 @@ check_object(const struct bake_render_object *o, int i, struct bake_err *err)
 	else if (o->silhouette == BAKE_SILHOUETTE_SHELL &&
 		 (o->shell == NULL || o->nlayers != 1))
 		lacks = "a shell and one layer";
+	else if (o->horizons != NULL && o->nlayers != 1)
+		lacks = "one layer, which its horizons belong to";
 	else if (!(o->depth > 0) || !isfinite(o->depth))
 		lacks = "a depth above 0";
 	else if (!(o->tile_u > 0) || !(o->tile_v > 0))
@@ -191,8 +193,10 @@ flush(struct sink *s)
 	if (o->silhouette != BAKE_SILHOUETTE_SHELL || o->nlayers == 0) {
 		for (int i = 0; i < b->n; i++)
 			b->lit[i] = 1;
-		if (p->shadow != BAKE_SHADOW_NONE &&
-		    (o->multi != NULL || o->nlayers > 0))
+		if (p->shadow != BAKE_SHADOW_NONE && o->horizons != NULL)
+			bake_render_soft_shadow(b, p);
+		else if (p->shadow != BAKE_SHADOW_NONE &&
+			 (o->multi != NULL || o->nlayers > 0))
 			bake_render_shadow(b, p);
 	}
 	bake_render_shade(b, p, &s->w->tile);

@@ -89,6 +89,10 @@ enum bake_render_paint {
  *   shell       needed for SILHOUETTE_SHELL
  *   depth       D, the relief's depth range in mesh units, > 0
  *   tile_u, tile_v  repeats of the relief over u and v 0 .. 1
+ *   horizons    of a single layer, as bake_ao gives them: a channel for each
+ *               direction; its shadows are then soft. NULL: marched, and hard
+ *   horizon_slope  the slopes of the relief as it is seen, to those that the
+ *               horizons were baked for
  *   multi       multilayer relief mapped onto the mesh, seen from both sides
  *   ground      where rays miss the multilayer relief: NULL: nothing is there;
  *               else the bottom of the relief has that material's colour
@@ -106,6 +110,8 @@ struct bake_render_object {
 	const struct bake_render_layer *layers;
 	int nlayers;
 	enum bake_render_blend blend;
+	const struct bake_image *horizons;
+	double horizon_slope;
 	bool ao_min; /* the least of the layers' AO, not their product */
 	const struct bake_multi_map *multi;
 	const struct bake_render_material *ground;
@@ -117,11 +123,14 @@ struct bake_render_object {
 	struct bake_render_material material;
 };
 
-/* A light: from a direction (towards it, any length) or at a point. */
+/* A light: from a direction (towards it, any length) or at a point. radius: the
+ * sine of the angle that it is seen under, halved; for soft shadows, > 0 there.
+ */
 struct bake_render_light {
 	bool point;
 	double at[3];
 	float color[3];
+	float radius;
 };
 
 enum bake_shadow { BAKE_SHADOW_NONE, BAKE_SHADOW_HARD };

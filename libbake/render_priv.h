@@ -171,6 +171,11 @@ void bake_render_march_blend_any(const struct bake_render_object *o,
 void bake_render_shadow(
     struct render_batch *batch, const struct bake_render_params *params);
 
+/* Shadows with a soft edge, from the horizons of one layer: batch->lit is the
+ * part of a light of params->light.radius that stands above the horizon. */
+void bake_render_soft_shadow(
+    struct render_batch *batch, const struct bake_render_params *params);
+
 /* Colours of the hits into the tile, where they are nearer. */
 void bake_render_shade(struct render_batch *batch,
     const struct bake_render_params *params, struct render_tile *tile);

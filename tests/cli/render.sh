@@ -479,6 +479,42 @@ for m in facet paper blackshot; do
 done
 rm c.png f.png g.png
 
+check 'soft shadows from horizons: of a small light they are the hard ones'
+rm-aobake -q --no-blur --directions 64 -s 0.08 --horizons horizons.exr \
+    "$DATA/stone_depth.png" -o ao.png
+view='--size 128x128 --camera 0,90,2 --orthographic 1.9 --light 2,1,0 --specular 0'
+# shellcheck disable=SC2086 # several words
+{
+	ok rm-render $view stone.png -o none.png
+	ok rm-render $view stone.png --shadow -o hard.png
+	ok rm-render $view stone.png --shadow --horizons horizons.exr \
+	    --light-size 0.1 -o small.png
+	ok rm-render $view stone.png --shadow --horizons horizons.exr \
+	    --light-size 20 -o large.png
+	usage_error rm-render $view --horizons horizons.exr -o bad.png
+	exits 1 rm-render $view stone.png --horizons ao.png -o bad.png
+	stderr_one_line 'ao.png: holds no horizons'
+}
+py <<'END'
+none, hard, small, large = (codes(f + ".png")
+                            for f in ("none", "hard", "small", "large"))
+
+
+def off(a, b):
+    return sum(abs(p[0] - q[0]) > 16 for r, s in zip(a, b)
+               for p, q in zip(r, s)) / 128 ** 2
+
+
+# pixels are 1.1 texels wide: only along the edges of shadows, where a texel's
+# horizon is that of its centre, the two differ
+assert off(none, hard) > 0.05, off(none, hard)
+assert off(small, hard) < off(none, hard) / 4, (off(small, hard),
+                                                off(none, hard))
+# a large light's shadows are between
+assert 0.02 < off(large, small), off(large, small)
+END
+rm ao.png horizons.exr none.png hard.png small.png large.png
+
 check 'multilayer relief, its ground, and impostors from every side'
 ok rm-multilayer --impostor --size 128x128 torus.obj -o m
 ok rm-multilayer --impostor --size 128x128 torus.obj -o m.exr
