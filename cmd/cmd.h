@@ -175,6 +175,13 @@ void cmd_list_free(struct cmd_list *list);
 char *cmd_path_derive(
     const char *path, const char *dir, const char *suffix, const char *ext);
 
+/* Whether path_of gives each input another path (NULL counts as none) where
+ * -O is used; otherwise a usage error that names two that share one. What it
+ * returns is freed. */
+bool cmd_paths_differ(const struct cmd *cmd, const struct cmd_list *inputs,
+    char *(*path_of)(const struct cmd *cmd, const char *input, const void *arg),
+    const void *arg);
+
 /* The progress bar: on a terminal only, for work longer than a second. */
 struct cmd_progress {
 	FILE *err;

@@ -410,27 +410,17 @@ cmd_output_path(const struct cmd *cmd, const char *input, const char *suffix)
 	return cmd_path_derive(input, cmd->output_dir, suffix, ext);
 }
 
+static char *
+plain_output_path(const struct cmd *cmd, const char *input, const void *arg)
+{
+	(void)arg;
+	return cmd_output_path(cmd, input, "");
+}
+
 bool
 cmd_outputs_differ(const struct cmd *cmd, const struct cmd_list *inputs)
 {
-	bool differ = true;
-
-	for (int i = 0; differ && cmd->output_dir != NULL && i < inputs->n;
-	     i++) {
-		char *a = cmd_output_path(cmd, inputs->item[i], "");
-
-		for (int k = 0; differ && a != NULL && k < i; k++) {
-			char *b = cmd_output_path(cmd, inputs->item[k], "");
-
-			if (b != NULL && strcmp(a, b) == 0)
-				differ = cmd_usage_error(cmd,
-				    "%s and %s would both be written to %s",
-				    inputs->item[k], inputs->item[i], a);
-			free(b);
-		}
-		free(a);
-	}
-	return differ;
+	return cmd_paths_differ(cmd, inputs, plain_output_path, NULL);
 }
 
 static bool

@@ -103,6 +103,30 @@ cmd_inputs_fit(const struct cmd *cmd, int n)
 	return true;
 }
 
+bool
+cmd_paths_differ(const struct cmd *cmd, const struct cmd_list *in,
+    char *(*path_of)(const struct cmd *cmd, const char *input, const void *arg),
+    const void *arg)
+{
+	bool differ = true;
+
+	for (int i = 0; differ && cmd->output_dir != NULL && i < in->n; i++) {
+		char *a = path_of(cmd, in->item[i], arg);
+
+		for (int k = 0; differ && a != NULL && k < i; k++) {
+			char *b = path_of(cmd, in->item[k], arg);
+
+			if (b != NULL && strcmp(a, b) == 0)
+				differ = cmd_usage_error(cmd,
+				    "%s and %s would both be written to %s",
+				    in->item[k], in->item[i], a);
+			free(b);
+		}
+		free(a);
+	}
+	return differ;
+}
+
 void
 cmd_silence_libraries(const struct cmd *cmd)
 {

@@ -8,35 +8,14 @@
 /* What the names of an input's outputs begin with; NULL: nothing is written.
  * To be freed. */
 static char *
-prefix_of(const struct cmd *cmd, const char *input)
+prefix_of(const struct cmd *cmd, const char *input, const void *arg)
 {
+	(void)arg;
 	if (cmd->output != NULL)
 		return strdup(cmd->output);
 	if (cmd->output_dir == NULL)
 		return NULL;
 	return cmd_path_derive(input, cmd->output_dir, "", "");
-}
-
-static bool
-outputs_differ(const struct cmd *cmd)
-{
-	bool differ = true;
-
-	for (int i = 0; i < cmd->operands.n && cmd->output_dir != NULL; i++)
-		for (int k = 0; k < i && differ; k++) {
-			const char *const *in =
-			    (const char *const *)cmd->operands.item;
-			char *a = prefix_of(cmd, in[i]);
-			char *b = prefix_of(cmd, in[k]);
-
-			if (a != NULL && b != NULL && strcmp(a, b) == 0)
-				differ = cmd_usage_error(cmd,
-				    "%s and %s would both be written to %s_…",
-				    in[k], in[i], a);
-			free(a);
-			free(b);
-		}
-	return differ;
 }
 
 static int
@@ -46,7 +25,8 @@ run(struct cmd *cmd, const struct multilayer_opts *o)
 	struct bake_err err = BAKE_ERR_INIT;
 	int status = CMD_EXIT_OK;
 
-	if (!multilayer_usage(cmd, o) || !outputs_differ(cmd))
+	if (!multilayer_usage(cmd, o) ||
+	    !cmd_paths_differ(cmd, &cmd->operands, prefix_of, NULL))
 		return CMD_EXIT_USAGE;
 	cmd_silence_libraries(cmd);
 	if (bake_color_open(NULL, &color, &err) != BAKE_OK) {
@@ -56,14 +36,14 @@ run(struct cmd *cmd, const struct multilayer_opts *o)
 	if (bake_color_path(color) != NULL)
 		cmd_list_add(&cmd->read, bake_color_path(color));
 	if (o->from_depth != NULL) {
-		char *prefix = prefix_of(cmd, o->from_depth);
+		char *prefix = prefix_of(cmd, o->from_depth, NULL);
 
 		if (!multilayer_height_field(cmd, o, color, prefix))
 			status = CMD_EXIT_FAIL;
 		free(prefix);
 	}
 	for (int i = 0; i < cmd->operands.n; i++) {
-		char *prefix = prefix_of(cmd, cmd->operands.item[i]);
+		char *prefix = prefix_of(cmd, cmd->operands.item[i], NULL);
 
 		if (!multilayer_mesh(
 			cmd, o, color, cmd->operands.item[i], prefix))

@@ -166,8 +166,9 @@ choose_type(
 
 /* Where the output for an input goes; NULL: nowhere. To be freed. */
 static char *
-output_path(const struct cmd *cmd, const char *input, enum quadfit_type type)
+output_path(const struct cmd *cmd, const char *input, const void *arg)
 {
+	const enum quadfit_type type = *(const enum quadfit_type *)arg;
 	char ext[8];
 
 	if (cmd->output != NULL)
@@ -176,28 +177,6 @@ output_path(const struct cmd *cmd, const char *input, enum quadfit_type type)
 		return NULL;
 	snprintf(ext, sizeof ext, ".%s", quadfit_types[type]);
 	return cmd_path_derive(input, cmd->output_dir, "", ext);
-}
-
-static bool
-outputs_differ(const struct cmd *cmd, enum quadfit_type type)
-{
-	bool differ = true;
-
-	for (int i = 0; i < cmd->operands.n && cmd->output_dir != NULL; i++)
-		for (int k = 0; k < i && differ; k++) {
-			const char *const *in =
-			    (const char *const *)cmd->operands.item;
-			char *a = output_path(cmd, in[i], type);
-			char *b = output_path(cmd, in[k], type);
-
-			if (a != NULL && b != NULL && strcmp(a, b) == 0)
-				differ = cmd_usage_error(cmd,
-				    "%s and %s would both be written to %s",
-				    in[k], in[i], a);
-			free(a);
-			free(b);
-		}
-	return differ;
 }
 
 static bool
@@ -215,7 +194,8 @@ usage_is_right(
 		return cmd_usage_error(cmd,
 		    "--stats and the output cannot both be on standard "
 		    "output");
-	return choose_type(cmd, o, t) && outputs_differ(cmd, *t);
+	return choose_type(cmd, o, t) &&
+	       cmd_paths_differ(cmd, &cmd->operands, output_path, t);
 }
 
 static int
@@ -228,7 +208,7 @@ run(struct cmd *cmd, const struct quadfit_opts *o)
 		return CMD_EXIT_USAGE;
 	for (int i = 0; i < cmd->operands.n; i++) {
 		const char *in = cmd->operands.item[i];
-		char *out = output_path(cmd, in, type);
+		char *out = output_path(cmd, in, &type);
 
 		if (!quadfit_file(cmd, o, in, out, type))
 			status = CMD_EXIT_FAIL;
