@@ -1,26 +1,27 @@
 # relief-tools: one Makefile, no recursion, nothing written outside build/.
 #
 #   make [MODE=release|debug|asan] [all check demo figures bench golden fuzz
-#         install uninstall format clean check-headers check-symbols
-#         check-style]
+#         install uninstall dist deb deb-check format clean check-headers
+#         check-symbols check-style]
 #
 # CC, CXX, CFLAGS, CXXFLAGS, LDFLAGS add to what is set here and never replace
 # a flag that the code needs. WERROR=1 makes warnings errors. CHECK='cli/pack
-# unit/t_ao' runs just those tests; FUZZ_SECONDS=60 is each fuzz target's time.
+# unit/t_ao' runs just those tests; make fuzz SECONDS=60 is each fuzz target's
+# time, JOBS targets being run at once.
 
 MODE ?= release
 B := build/$(MODE)
 VERSION := 0.1.0
 PREFIX ?= /usr/local
 DESTDIR ?=
-FUZZ_SECONDS ?= 60
+FUZZ_SECONDS ?= $(or $(SECONDS),60)
 .DEFAULT_GOAL := all
 # what is made is named; V=1 shows the commands
 Q := $(if $(V),,@)
 SAY = @mkdir -p $(@D)$(if $(V),,; echo '  $@')
 
 # -- flags ---------------------------------------------------------------
-PKGS := OpenImageIO OpenColorIO OpenEXR fftw3 jansson assimp
+PKGS := OpenImageIO OpenColorIO OpenEXR fftw3 jansson assimp libxxhash
 PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g')
 PKG_LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null)
 ifeq ($(PKG_LIBS),)
@@ -142,6 +143,14 @@ FUZZ_FLAGS := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all \
 FB := $(B)/fuzz
 FUZZ := $(patsubst tests/fuzz/%.c,$(FB)/bin/%,$(wildcard tests/fuzz/fuzz_*.c))
 FUZZ_O := $(LIB_O:$(B)/%=$(FB)/%)
+# whole tools, to be called: their main has their name
+FUZZ_CMD_O := $(patsubst %,$(FB)/%.o,$(wildcard cmd/*.c))
+$(FB)/cmd/rm-%.c.o: private override CFLAGS += -Wno-missing-prototypes \
+	-Dmain=$(subst -,_,$(*F))_main
+$(FB)/bin/fuzz_args $(FB)/bin/fuzz_tool_file: $(FUZZ_CMD_O)
+$(FB)/bin/fuzz_args $(FB)/bin/fuzz_tool_file: private override LDFLAGS += \
+	$(foreach f,bake_alloc bake_image_alloc bake_zalloc \
+	cmd_signals_start fork,-Wl,--wrap=$(f))
 $(FB)/bin/%: $(FB)/tests/fuzz/%.c.o $(FUZZ_O) $(B)/link.stamp
 	$(SAY)
 	$(Q)$(FUZZ_CXX) $(FUZZ_FLAGS) -fsanitize=fuzzer -fopenmp $(LDFLAGS) -o $@ \
@@ -166,12 +175,22 @@ endif
 endif
 
 # What the scripts below need to know; they write into $(B) only.
-SCRIPT_ENV := B='$(B)' MODE='$(MODE)' CC='$(CC)' CXX='$(CXX)' \
-	FUZZ_SECONDS='$(FUZZ_SECONDS)' MAKE='$(MAKE)'
+SCRIPT_ENV := B='$(B)' MODE='$(MODE)' VERSION='$(VERSION)' CC='$(CC)' CXX='$(CXX)' \
+	FUZZ_SECONDS='$(FUZZ_SECONDS)' JOBS='$(JOBS)' MAKE='$(MAKE)'
 check-headers check-style: export CHECK_CFLAGS = $(BASE_CFLAGS)
 check: export CHECK_CFLAGS = $(BASE_CFLAGS)
 
-check: all $(UNIT) $(if $(CAN_FUZZ),$(FUZZ))
+# preloaded; no flag of ours that changes what malloc is
+$(B)/tests/fault_shim.so: tests/fault/shim.c $(B)/compile.stamp
+	$(SAY)
+	$(Q)$(CC) -std=c11 -O1 -g -D_GNU_SOURCE $(WARN) $(WARN_C) \
+	    $(WERROR_$(WERROR)) -fPIC -shared -fvisibility=hidden -o $@ $< -ldl
+# for a kernel and a processor that it is written for
+ifneq ($(and $(filter Linux,$(shell uname -s)),$(filter x86_64 aarch64,$(shell \
+	uname -m)),$(filter release debug,$(MODE))),)
+SHIM := $(B)/tests/fault_shim.so
+endif
+check: all $(UNIT) $(SHIM) $(if $(CAN_FUZZ),$(FUZZ))
 	@$(SCRIPT_ENV) scripts/check $(CHECK)
 units: $(UNIT) $(BENCH)
 check-headers: $(wildcard libbake/*.h)
@@ -184,7 +203,7 @@ golden: all
 	@$(SCRIPT_ENV) scripts/golden --remake
 bench: all $(BENCH)
 	@$(SCRIPT_ENV) scripts/bench
-fuzz: $(FUZZ)
+fuzz: $(FUZZ) $(TOOLS)
 	@$(SCRIPT_ENV) scripts/fuzz
 demo: all
 	@$(SCRIPT_ENV) scripts/demo
@@ -197,36 +216,79 @@ clean:
 	rm -rf build
 
 # -- installing ----------------------------------------------------------
+# LIBDIR and ZSHDIR are for distributions that have their own ideas of them. All
+# that is installed finds the rest by where it lies itself: a tree that was
+# installed can be moved.
+LIBDIR ?= $(PREFIX)/lib
+ZSHDIR ?= $(PREFIX)/share/zsh/site-functions
 MAN := $(wildcard man/*.[0-9])
 HEADERS := $(filter-out %_priv.h,$(wildcard libbake/*.h))
-DEST := $(DESTDIR)$(PREFIX)
+EXAMPLE := $(wildcard testdata/project/*.* testdata/project/Makefile)
+EXAMPLE_MAPS := $(wildcard testdata/*.png testdata/*.obj)
+BASH_COMPLETIONS := $(TOOLS:$(B)/bin/%=$(B)/completions/bash/%)
+ZSH_COMPLETIONS := $(TOOLS:$(B)/bin/%=$(B)/completions/zsh/_%)
+ifeq ($(LIBDIR),$(PREFIX)/lib)
+PC_PREFIX := $${pcfiledir}/../..
+else
+PC_PREFIX := $(PREFIX)
+endif
+
+$(B)/completions/bash/% $(B)/completions/zsh/_%: $(B)/bin/% \
+		scripts/make-completions
+	@mkdir -p $(B)/completions/bash $(B)/completions/zsh
+	$(if $(V),,@echo '  $(B)/completions/bash/$*')
+	$(Q)ASAN_OPTIONS=detect_leaks=0 scripts/make-completions $< \
+	    $(B)/completions/bash/$* $(B)/completions/zsh/_$*
+all: $(BASH_COMPLETIONS) $(ZSH_COMPLETIONS)
 
 $(B)/relief.pc: FORCE
 	$(SAY)
-	@printf '%s\n' 'prefix=$(PREFIX)' 'libdir=$${prefix}/lib' \
-	    'includedir=$${prefix}/include' '' 'Name: relief' \
+	@printf '%s\n' 'prefix=$(PC_PREFIX)' \
+	    'libdir=$(LIBDIR:$(PREFIX)/%=$${prefix}/%)' \
+	    'includedir=$${prefix}/include' \
+	    'mk=$${prefix}/share/relief/relief.mk' '' 'Name: relief' \
 	    'Description: baking of relief textures' 'Version: $(VERSION)' \
 	    'Requires: $(PKGS)' 'Cflags: -I$${includedir}/relief' \
 	    'Libs: -L$${libdir} -lbake -fopenmp -lstdc++ -lm' >$@
 
-install: all $(B)/relief.pc
-	mkdir -p '$(DEST)/bin' '$(DEST)/lib/pkgconfig' '$(DEST)/include/relief' \
-	    '$(DEST)/share/relief'
-	install -m 755 $(TOOLS) '$(DEST)/bin'
-	install -m 644 $(HEADERS) '$(DEST)/include/relief'
-	install -m 644 $(B)/libbake.a '$(DEST)/lib'
-	install -m 644 $(B)/relief.pc '$(DEST)/lib/pkgconfig'
-	install -m 644 scripts/relief.mk '$(DEST)/share/relief'
-	for m in $(MAN); do install -D -m 644 $$m \
-	    '$(DEST)'/share/man/man$${m##*.}/$${m##*/} || exit; done
-uninstall:
-	rm -f $(foreach f,$(notdir $(TOOLS)),'$(DEST)/bin/$(f)') \
-	    $(foreach f,$(notdir $(MAN)),'$(DEST)'/share/man/man*/$(f)) \
-	    '$(DEST)/lib/libbake.a' '$(DEST)/lib/pkgconfig/relief.pc'
-	rm -rf '$(DEST)/include/relief' '$(DEST)/share/relief'
+# What is installed, for $(1), which is put or take: mode, files, folder.
+define INSTALLED
+	$(call $(1),755,$(TOOLS),$(PREFIX)/bin)
+	$(call $(1),644,$(HEADERS),$(PREFIX)/include/relief)
+	$(call $(1),644,$(B)/libbake.a,$(LIBDIR))
+	$(call $(1),644,$(B)/relief.pc,$(LIBDIR)/pkgconfig)
+	$(call $(1),644,scripts/relief.mk,$(PREFIX)/share/relief)
+	$(if $(EXAMPLE),$(call $(1),644,$(EXAMPLE),$(PREFIX)/share/relief/example/project))
+	$(if $(EXAMPLE),$(call $(1),644,$(EXAMPLE_MAPS),$(PREFIX)/share/relief/example))
+	$(call $(1),644,$(BASH_COMPLETIONS),$(PREFIX)/share/bash-completion/completions)
+	$(call $(1),644,$(ZSH_COMPLETIONS),$(ZSHDIR))
+	$(call $(1),644,$(filter %.1,$(MAN)),$(PREFIX)/share/man/man1)
+	$(call $(1),644,$(filter %.3,$(MAN)),$(PREFIX)/share/man/man3)
+	$(call $(1),644,$(filter %.5,$(MAN)),$(PREFIX)/share/man/man5)
+	$(call $(1),644,$(filter %.7,$(MAN)),$(PREFIX)/share/man/man7)
+endef
+put = mkdir -p '$(DESTDIR)$(3)' && install -m $(1) $(2) '$(DESTDIR)$(3)'
+take = rm -f $(foreach f,$(notdir $(2)),'$(DESTDIR)$(3)/$(f)')
 
-.PHONY: all bench check check-headers check-style check-symbols clean demo figures \
-	format fuzz golden install uninstall units FORCE
+install: all $(B)/relief.pc
+	$(call INSTALLED,put)
+uninstall:
+	$(call INSTALLED,take)
+	@for d in include/relief share/relief/example/project share/relief/example \
+	    share/relief; do \
+	    rmdir '$(DESTDIR)$(PREFIX)'/$$d 2>/dev/null || :; done
+
+# The release as an archive, the same bytes for the same commit; Debian
+# packages of it; these packages in a Debian of their own.
+dist:
+	@$(SCRIPT_ENV) scripts/dist
+deb: dist
+	@$(SCRIPT_ENV) scripts/deb
+deb-check: deb
+	@$(SCRIPT_ENV) scripts/deb-check
+
+.PHONY: all bench check check-headers check-style check-symbols clean deb \
+	deb-check demo dist figures format fuzz golden install uninstall units FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 -include $(wildcard $(B)/*/*.d $(B)/tests/*/*.d $(FB)/*/*.d \

@@ -9,15 +9,25 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "cmd_batch_priv.h"
+#include "cmd_recipe.h"
+#include "cmd_signal.h"
+
 enum {
 	KEY_DEPTH_RANGE = CMD_KEY_LONG,
+	KEY_EACH,
 	KEY_FORMAT,
 	KEY_HEIGHT,
+	KEY_IF_CHANGED,
+	KEY_ISOLATE,
 	KEY_MAX_PIXELS,
+	KEY_MEMORY,
+	KEY_NO_ISOLATE,
 	KEY_NORMAL_CODE,
 	KEY_NORMAL_Y,
 	KEY_OUTPUT_NORMAL_Y,
 	KEY_PNG_LEVEL,
+	KEY_TILES,
 	KEY_WRAP
 };
 
@@ -27,27 +37,41 @@ static const struct {
 	unsigned group;
 	struct cmd_option opt;
 } common[] = {
-	{ CMD_OPTS_OUTPUT, { 'd', "data-format", "FORMAT",
-			       "uint8, uint16, half or float; default: the "
-			       "inputs' deepest" } },
+	{ CMD_OPTS_OUTPUT,
+	    { 'd', "data-format", "FORMAT",
+		"{uint8}, {uint16}, {half} or {float}; default: the "
+		"inputs' deepest" } },
 	{ CMD_OPTS_OUTPUT,
 	    { 'M', "depfile", "FILE",
 		"write a Make rule: the outputs and all that was read" } },
 	{ CMD_OPTS_RELIEF,
 	    { KEY_DEPTH_RANGE, "depth-range", "NEAR,FAR",
-		"input values of depth 0 and 1, or 'auto' (default 0,1)" } },
-	{ CMD_OPTS_OUTPUT,
-	    { KEY_FORMAT, "format", "TYPE",
-		"png, tga, tiff or exr; default: by the output's name" } },
+		"input values of depth 0 and 1, or '{auto}' (default "
+		"0,1)" } },
+	{ 0, { KEY_EACH, "each", "FILE",
+		 "run once for each line of FILE, put where a % stands" } },
+	{ CMD_OPTS_OUTPUT, { KEY_FORMAT, "format", "TYPE",
+			       "{png}, {tga}, {tiff} or {exr}; default: by the "
+			       "output's name" } },
 	{ CMD_OPTS_RELIEF,
 	    { KEY_HEIGHT, "height", NULL,
 		"input relief maps are heights: white is high" } },
 	{ 0, { 'h', "help", NULL, "print this and leave" } },
+	{ CMD_OPTS_OUTPUT | CMD_OPTS_CHANGED,
+	    { KEY_IF_CHANGED, "if-changed", NULL,
+		"leave outputs alone that would become what they are" } },
+	{ 0, { KEY_ISOLATE, "isolate", NULL,
+		 "work in a process apart; many inputs always do" } },
 	{ 0, { KEY_MAX_PIXELS, "max-pixels", "N",
 		 "refuse larger inputs (default 2^30 texels)" } },
+	{ 0, { KEY_MEMORY, "memory", "SIZE",
+		 "of all jobs together, as 8G (default: 3/4 of the "
+		 "machine's)" } },
+	{ 0, { KEY_NO_ISOLATE, "no-isolate", NULL,
+		 "many inputs one by one in this process" } },
 	{ CMD_OPTS_NORMAL,
 	    { KEY_NORMAL_CODE, "normal-code", "CODE",
-		"input normals: unsigned, signed or auto (default)" } },
+		"input normals: {unsigned}, {signed} or {auto} (default)" } },
 	{ CMD_OPTS_NORMAL,
 	    { KEY_NORMAL_Y, "normal-y", "up|down",
 		"where input normals' positive y points (default up)" } },
@@ -64,11 +88,14 @@ static const struct {
 	{ 0, { 'q', "quiet", NULL, "no warnings" } },
 	{ 0, { 'j', "threads", "N",
 		 "threads, 1 to 1024 (default: all processors)" } },
+	{ CMD_OPTS_TILES,
+	    { KEY_TILES, "tiles", "N",
+		"TIFF and EXR in tiles of NxN texels; 0: rows (default)" } },
 	{ 0, { 'v', "verbose", NULL, "say what is being done" } },
 	{ 0, { 'V', "version", NULL, "print the version and leave" } },
-	{ CMD_OPTS_RELIEF,
-	    { KEY_WRAP, "wrap", "MODE",
-		"tile (default), clamp, u or v (that axis alone tiles)" } },
+	{ CMD_OPTS_RELIEF, { KEY_WRAP, "wrap", "MODE",
+			       "{tile} (default), {clamp}, {u} or {v} (that "
+			       "axis alone tiles)" } },
 };
 
 enum { NCOMMON = sizeof common / sizeof *common, MAX_OPTIONS = 96 };
@@ -99,6 +126,35 @@ make_table(struct table *t, const struct cmd_tool *tool)
 	qsort(t->opt, (size_t)t->n, sizeof *t->opt, by_name);
 }
 
+/* The table as it is, for the scripts that make the shells' completions: the
+ * operands, then each option with its letter, all apart by tabs. */
+static int
+print_options(const struct cmd_tool *tool)
+{
+	const bool in_order = (tool->groups & CMD_IN_ORDER) != 0;
+	struct table t;
+
+	make_table(&t, tool);
+	printf("%s\t%s\n", in_order ? "in-order" : "any-order", tool->operands);
+	for (int i = 0; i < t.n; i++) {
+		const struct cmd_option *o = &t.opt[i];
+
+		printf("%c\t%s\t%s\t%s\n", o->key < CMD_KEY_LONG ? o->key : '-',
+		    o->name, o->arg ? o->arg : "", o->help);
+	}
+	return fflush(stdout) == 0 ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+}
+
+/* Help without the braces around what may be completed. */
+static void
+put_help(const char *help)
+{
+	for (; *help != '\0'; help++)
+		if (*help != '{' && *help != '}')
+			putchar(*help);
+	putchar('\n');
+}
+
 static void
 print_help(const struct cmd_tool *tool)
 {
@@ -116,17 +172,16 @@ print_help(const struct cmd_tool *tool)
 		snprintf(left, sizeof left, "%s --%s%s%s", letter, o->name,
 		    o->arg && o->arg[0] != '[' ? " " : "",
 		    o->arg ? o->arg : "");
-		printf("  %-30s %s\n", left, o->help);
+		printf("  %-30s ", left);
+		put_help(o->help);
 	}
 	printf("\nSee %s(1) and rm-formats(5).\n", tool->name);
 }
 
 /* -- response files -------------------------------------------------- */
 
-/* The lines of a file as arguments; empty lines are passed over. False with
- * the reason printed. */
-static bool
-add_response(struct cmd *cmd, struct cmd_list *args, const char *path)
+bool
+cmd_read_lines(struct cmd *cmd, const char *path, struct cmd_list *lines)
 {
 	FILE *fp = strcmp(path, "-") == 0 ? stdin : fopen(path, "re");
 	char *line = NULL;
@@ -142,7 +197,7 @@ add_response(struct cmd *cmd, struct cmd_list *args, const char *path)
 		while (n > 0 && (line[n - 1] == '\n' || line[n - 1] == '\r'))
 			line[--n] = '\0';
 		if (n > 0)
-			cmd_list_add(args, line);
+			cmd_list_add(lines, line);
 	}
 	ok = ferror(fp) == 0;
 	if (!ok)
@@ -166,7 +221,7 @@ expand(struct cmd *cmd, struct cmd_list *args, int argc, char *argv[])
 			operands_only = true;
 		if (i == 0 || operands_only || argv[i][0] != '@')
 			cmd_list_add(args, argv[i]);
-		else if (!add_response(cmd, args, argv[i] + 1))
+		else if (!cmd_read_lines(cmd, argv[i] + 1, args))
 			return false;
 	}
 	return true;
@@ -223,6 +278,16 @@ set_depth_range(struct cmd *cmd, const char *arg)
 }
 
 static bool
+set_tiles(struct cmd *cmd, const char *arg)
+{
+	if (!cmd_int(cmd, "tiles", arg, 0, 4096, &cmd->tile))
+		return false;
+	return cmd->tile % 16 == 0 ||
+	       cmd_usage_error(
+		   cmd, "--tiles is %s, expected a multiple of 16", arg);
+}
+
+static bool
 set_output_option(struct cmd *cmd, int key, const char *arg)
 {
 	static const char *const formats[] = { "uint8", "uint16", "half",
@@ -251,6 +316,8 @@ set_output_option(struct cmd *cmd, int key, const char *arg)
 	case 'O':
 		cmd->output_dir = arg;
 		return true;
+	case KEY_TILES:
+		return set_tiles(cmd, arg);
 	default:
 		return cmd_int(cmd, "png-level", arg, 1, 9, &cmd->png_level);
 	}
@@ -266,6 +333,20 @@ set_common(struct cmd *cmd, int key, const char *arg)
 	switch (key) {
 	case KEY_DEPTH_RANGE:
 		return set_depth_range(cmd, arg);
+	case KEY_EACH:
+		cmd->each = arg;
+		return true;
+	case KEY_IF_CHANGED:
+		cmd->if_changed = true;
+		return true;
+	case KEY_ISOLATE:
+		cmd->isolate = CMD_ISOLATE_YES;
+		return true;
+	case KEY_MEMORY:
+		return cmd_bytes(cmd, "memory", arg, &cmd->memory);
+	case KEY_NO_ISOLATE:
+		cmd->isolate = CMD_ISOLATE_NO;
+		return true;
 	case KEY_HEIGHT:
 		cmd->polarity = BAKE_POLARITY_HEIGHT;
 		cmd->has_polarity = true;
@@ -396,9 +477,27 @@ output_is_clear(const struct cmd *cmd)
 static bool
 add_operand(struct cmd *cmd, const char *arg)
 {
+	const int n = cmd->operands.n;
+
 	cmd_list_add(&cmd->operands, arg);
-	return !(cmd->tool->groups & CMD_IN_ORDER) ||
-	       cmd->tool->set(cmd, CMD_KEY_OPERAND, arg);
+	if ((cmd->tool->groups & CMD_IN_ORDER) &&
+	    !cmd->tool->set(cmd, CMD_KEY_OPERAND, arg))
+		return false;
+	if (cmd->operands.n > n)
+		cmd_recipe_operand(cmd);
+	else /* it was an argument after all */
+		cmd_recipe_given(cmd, NULL, arg);
+	return true;
+}
+
+/* An option's long name, by its key. */
+static const char *
+name_of(const struct table *t, int key)
+{
+	for (int i = 0; i < t->n; i++)
+		if (t->opt[i].key == key)
+			return t->opt[i].name;
+	return "";
 }
 
 enum parsed { PARSED_RUN, PARSED_DONE, PARSED_BAD };
@@ -414,7 +513,7 @@ parse(struct cmd *cmd, const struct cmd_list *args)
 	make_table(&t, cmd->tool);
 	make_getopt(
 	    &t, (cmd->tool->groups & CMD_IN_ORDER) != 0, longs, letters);
-	optind = 1;
+	optind = 0; /* from the start, also a second time (--each) */
 	opterr = 0;
 	while ((c = getopt_long(args->n, args->item, letters, longs, NULL)) !=
 	       -1) {
@@ -438,6 +537,8 @@ parse(struct cmd *cmd, const struct cmd_list *args)
 			ok = cmd->tool->set(cmd, c, optarg);
 		if (!ok)
 			return PARSED_BAD;
+		if (c != CMD_KEY_OPERAND)
+			cmd_recipe_given(cmd, name_of(&t, c), optarg);
 	}
 	for (int i = optind; i < args->n; i++)
 		if (!add_operand(cmd, args->item[i]))
@@ -455,6 +556,16 @@ open_err(struct cmd *cmd)
 	cmd->err = fd >= 0 ? fdopen(fd, "w") : NULL;
 	if (cmd->err == NULL)
 		cmd->err = stderr;
+	cmd_signals_speak(fileno(cmd->err));
+}
+
+/* A make that runs jobs side by side has divided the processors already. */
+static bool
+under_parallel_make(void)
+{
+	const char *flags = getenv("MAKEFLAGS");
+
+	return flags != NULL && strstr(flags, "--jobserver") != NULL;
 }
 
 bool
@@ -464,6 +575,7 @@ cmd_parse(struct cmd *cmd, const struct cmd_tool *tool, int argc, char *argv[],
 	const struct bake_read_limits limits = BAKE_READ_LIMITS_DEFAULT;
 	enum parsed parsed = PARSED_DONE;
 
+	cmd_signals_start();
 	memset(cmd, 0, sizeof *cmd);
 	cmd->tool = tool;
 	open_err(cmd);
@@ -472,11 +584,23 @@ cmd_parse(struct cmd *cmd, const struct cmd_tool *tool, int argc, char *argv[],
 	cmd->polarity = BAKE_POLARITY_DEPTH;
 	cmd->normal_y = BAKE_NORMAL_Y_UP;
 	cmd->depth_far = 1;
+	if (argc == 2 && strcmp(argv[1], "--print-options") == 0) {
+		*exit_status = print_options(tool);
+		return false;
+	}
 	if (!expand(cmd, &cmd->args, argc, argv)) {
 		*exit_status = CMD_EXIT_FAIL;
 		return false;
 	}
 	parsed = parse(cmd, &cmd->args);
 	*exit_status = parsed == PARSED_BAD ? CMD_EXIT_USAGE : CMD_EXIT_OK;
+	if (cmd_is_worker())
+		cmd->nthreads = cmd_worker_threads();
+	else if (cmd->nthreads == 0 && under_parallel_make())
+		cmd->nthreads = 1;
+	if (parsed == PARSED_RUN && cmd->each != NULL) {
+		*exit_status = cmd_run_each(cmd);
+		return false;
+	}
 	return parsed == PARSED_RUN;
 }

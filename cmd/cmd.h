@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "cmd_progress.h"
 #include "conventions.h"
 #include "io_image.h"
 #include "parallel.h"
@@ -27,7 +28,9 @@ struct cmd_option {
 	const char *name; /* long name, without the dashes */
 	const char *arg;  /* what its argument is called; NULL: a flag;
 			   * "[=N]": may be left out (long names only) */
-	const char *help; /* one line */
+	const char *help; /* one line; {word} is a value that it may have,
+			   * {FILE}, {MESH}: so may a file's name; --help
+			   * prints it without the braces */
 };
 
 /* Groups of options that several tools have. */
@@ -40,7 +43,9 @@ enum {
 	 * between the options before it and those after it */
 	CMD_IN_ORDER = 16,
 	/* -o is what the names of several outputs begin with */
-	CMD_OUTPUT_PREFIX = 32
+	CMD_OUTPUT_PREFIX = 32,
+	CMD_OPTS_CHANGED = 64, /* --if-changed, which CMD_OPTS_OUTPUT has */
+	CMD_OPTS_TILES = 128   /* --tiles */
 };
 
 /* An output whose type nothing says; %s is its name. */
@@ -49,6 +54,24 @@ enum {
 	".tiff or .exr, or use --format"
 
 struct cmd;
+struct cmd_recipe;
+
+/* What an option is to the record of outputs (cmd_recipe.h); one that is not
+ * marked counts with the text of its argument. */
+enum {
+	CMD_ARG_INPUT = 1,  /* a file that is read: its content counts; a pipe's
+			     * cannot be known, which leaves the record out */
+	CMD_ARG_EACH = 2,   /* the same; given once for each job of a batch */
+	CMD_ARG_PREFIX = 4, /* the same; or what names of inputs begin with */
+	CMD_ARG_NEUTRAL = 8, /* changes no output, or names one */
+	CMD_ARG_REPORT = 16  /* prints: a job is never left out */
+};
+struct cmd_mark {
+	const char *name; /* of the option */
+	unsigned mark;
+	const char *words; /* arguments that are no files: " none auto "; or
+			    * NULL */
+};
 
 struct cmd_tool {
 	const char *name;
@@ -59,8 +82,19 @@ struct cmd_tool {
 	/* take one of its own options; false: wrong usage, the reason printed
 	 * by cmd_usage_error */
 	bool (*set)(struct cmd *cmd, int key, const char *arg);
-	void *opts; /* the tool's own state, for set */
+	void *opts;                          /* the tool's own state, for set */
+	int (*main)(int argc, char *argv[]); /* the tool, for --each */
+	/* what a job needs at its peak, in bytes for each texel of the first
+	 * image that it reads (or, of a mesh, for each byte of its file) */
+	double texel_bytes;
+	/* what its options are to the record of outputs (cmd_recipe.h), ended
+	 * by .name = NULL */
+	const struct cmd_mark *marks;
 };
+
+/* Where jobs are done: in processes apart where there are several, always,
+ * never. */
+enum cmd_isolate { CMD_ISOLATE_BATCH = 0, CMD_ISOLATE_YES, CMD_ISOLATE_NO };
 
 /* A growing list of texts. */
 struct cmd_list {
@@ -79,8 +113,13 @@ struct cmd {
 	enum bake_data_format data_format;
 	enum bake_file_type type;
 	int png_level;
+	int tile; /* side of the outputs' tiles; 0: none */
 	int nthreads;
-	bool quiet, verbose;
+	double memory; /* of all jobs, bytes; 0: not said */
+	enum cmd_isolate isolate;
+	const char *each; /* the file of names; NULL: none */
+	bool quiet, verbose, if_changed;
+	struct cmd_recipe *recipe; /* cmd_recipe.h */
 	struct bake_read_limits limits;
 	enum bake_polarity polarity; /* of every input relief map */
 	bool has_polarity;
@@ -158,6 +197,9 @@ bool cmd_number(const struct cmd *cmd, const char *option, const char *text,
 /* A comma-separated list of 1 .. max numbers; *n is how many. */
 bool cmd_numbers(const struct cmd *cmd, const char *option, const char *text,
     double lo, double hi, double *value, int max, int *n);
+/* A size in bytes: a number, with K, M, G or T for powers of 1024. */
+bool cmd_bytes(
+    const struct cmd *cmd, const char *option, const char *text, double *bytes);
 /* WxH in texels. */
 bool cmd_size(const struct cmd *cmd, const char *option, const char *text,
     int *width, int *height);
@@ -168,6 +210,14 @@ bool cmd_choice(const struct cmd *cmd, const char *option, const char *text,
 /* Append a copy of the text; out of memory ends the process with an error. */
 void cmd_list_add(struct cmd_list *list, const char *text);
 void cmd_list_free(struct cmd_list *list);
+/* Drop all items from the n-th on. */
+void cmd_list_cut(struct cmd_list *list, int n);
+/* Append all of from, which is empty then. */
+void cmd_list_move(struct cmd_list *list, struct cmd_list *from);
+
+/* The lines of a file, empty ones passed over, "-" being standard input; it is
+ * noted as read. False with the reason printed. */
+bool cmd_read_lines(struct cmd *cmd, const char *path, struct cmd_list *lines);
 
 /* PATH with suffix put before its extension, and another extension where ext
  * (with its dot) is given; in dir instead of its own folder where dir is not
@@ -181,15 +231,5 @@ char *cmd_path_derive(
 bool cmd_paths_differ(const struct cmd *cmd, const struct cmd_list *inputs,
     char *(*path_of)(const struct cmd *cmd, const char *input, const void *arg),
     const void *arg);
-
-/* The progress bar: on a terminal only, for work longer than a second. */
-struct cmd_progress {
-	FILE *err;
-	double started, shown;
-	bool drawn;
-};
-struct bake_progress cmd_progress_start(
-    const struct cmd *cmd, struct cmd_progress *state);
-void cmd_progress_end(struct cmd_progress *state);
 
 #endif

@@ -6,6 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "cmd_batch.h"
+#include "cmd_recipe.h"
 #include "dequantize.h"
 #include "inspect.h"
 #include "output.h"
@@ -47,37 +49,56 @@ warn_unused(
 		    path, info->width, info->height);
 }
 
-static bool
-open_map(struct cmd *cmd, const char *path, struct cmd_map *map,
+bool
+cmd_open(struct cmd *cmd, const char *path, struct cmd_map *map,
     struct bake_reader **reader)
 {
 	struct bake_err err = BAKE_ERR_INIT;
 
+	enum bake_status rc;
+
 	cmd_silence_libraries(cmd);
 	memset(map, 0, sizeof *map);
 	map->path = strcmp(path, "-") == 0 ? "standard input" : path;
-	if (bake_reader_open(reader, path, &cmd->limits, &map->info, &err) !=
-	    BAKE_OK) {
+	cmd_decode_begin(cmd, 0);
+	rc = bake_reader_open(reader, path, &cmd->limits, &map->info, &err);
+	cmd_decode_end(cmd);
+	if (rc != BAKE_OK) {
 		print_failure(cmd, &err);
+		return false;
+	}
+	if (!cmd_claim(cmd, map->path,
+		cmd->tool->texel_bytes * map->info.width * map->info.height)) {
+		bake_reader_close(*reader);
 		return false;
 	}
 	if (strcmp(path, "-") != 0)
 		cmd_list_add(&cmd->read, path);
+	else
+		cmd_recipe_stdin(cmd, &map->info.stdin_digest);
 	bake_relief_meta_from_attrs(&map->meta, &map->info.attrs);
 	warn_unused(cmd, map->path, &map->info);
 	return true;
 }
 
+/* Any n channels in any order; the reader is closed. */
 static bool
-read_channels(struct cmd *cmd, struct bake_reader *reader, int first, int n,
-    struct cmd_map *map)
+read_channels(struct cmd *cmd, struct bake_reader *reader, const int *channel,
+    int n, struct cmd_map *map)
 {
 	struct bake_err err = BAKE_ERR_INIT;
+	enum bake_status rc;
 
-	if (bake_reader_read(reader, first, n, &map->img, &err) == BAKE_OK)
-		return true;
-	print_failure(cmd, &err);
-	return false;
+	cmd_decode_begin(
+	    cmd, 4. * map->info.width * map->info.height * map->info.nchans);
+	rc = channel == NULL ? bake_reader_read(reader, 0, n, &map->img, &err)
+			     : bake_reader_read_channels(
+				   reader, channel, n, &map->img, &err);
+	cmd_decode_end(cmd);
+	if (rc != BAKE_OK)
+		print_failure(cmd, &err);
+	bake_reader_close(reader);
+	return rc == BAKE_OK;
 }
 
 static bool
@@ -107,19 +128,37 @@ bool
 cmd_read_raw(struct cmd *cmd, const char *path, struct cmd_map *map)
 {
 	struct bake_reader *reader;
-	bool ok;
 
-	if (!open_map(cmd, path, map, &reader))
-		return false;
-	ok = read_channels(cmd, reader, 0, map->info.nchans, map);
-	bake_reader_close(reader);
-	return ok;
+	return cmd_open(cmd, path, map, &reader) &&
+	       read_channels(cmd, reader, NULL, map->info.nchans, map);
 }
 
 bool
 cmd_read(struct cmd *cmd, const char *path, struct cmd_map *map)
 {
 	return cmd_read_raw(cmd, path, map) && repair(cmd, map);
+}
+
+bool
+cmd_load(struct cmd *cmd, struct bake_reader *reader, const int *channel, int n,
+    struct cmd_map *map)
+{
+	return read_channels(cmd, reader, channel, n, map) && repair(cmd, map);
+}
+
+struct bake_image
+cmd_look_at(const struct bake_image *img)
+{
+	const size_t most = (size_t)1 << 24;
+	struct bake_image part = *img;
+	int rows = (int)(most / (size_t)img->width);
+
+	rows = rows < 1 ? 1 : rows;
+	if (rows >= img->height)
+		return part;
+	part.height = rows;
+	part.data = bake_image_row(img, (img->height - rows) / 2);
+	return part;
 }
 
 int
@@ -236,7 +275,7 @@ read_unknown(struct cmd *cmd, struct bake_reader *reader, struct cmd_map *map)
 	int rgba[4] = { 0, 1, 2, 3 };
 	bool packed;
 
-	if (!read_channels(cmd, reader, 0, map->info.nchans, map))
+	if (!read_channels(cmd, reader, NULL, map->info.nchans, map))
 		return false;
 	layout = guess_layout(cmd, map);
 	packed =
@@ -261,53 +300,53 @@ cmd_read_channel(
 {
 	struct bake_reader *reader;
 	int c;
-	bool ok;
 
-	if (!open_map(cmd, path, map, &reader))
+	if (!cmd_open(cmd, path, map, &reader))
 		return false;
 	c = chan != NULL ? cmd_channel_index(&map->info, chan)
 			 : relief_by_info(&map->info, &map->meta);
 	if (c >= 0)
-		ok = read_channels(cmd, reader, c, 1, map);
-	else if (chan == NULL)
-		ok = read_unknown(cmd, reader, map);
-	else
-		ok = false;
-	if (!ok && chan != NULL && c < 0)
-		cmd_error(cmd, "%s: has no channel %s (it has %d)", map->path,
-		    chan, map->info.nchans);
+		return cmd_load(cmd, reader, &c, 1, map);
+	if (chan == NULL)
+		return read_unknown(cmd, reader, map) && repair(cmd, map);
+	cmd_error(cmd, "%s: has no channel %s (it has %d)", map->path, chan,
+	    map->info.nchans);
 	bake_reader_close(reader);
-	return ok && repair(cmd, map);
+	return false;
 }
 
 /* v := (v - near) / (far - near) for all texels of one channel. */
 static void
-apply_range(struct bake_image *img, double near, double far)
+apply_range(struct bake_image *img, int chan, double near, double far)
 {
-	for (int y = 0; y < img->height; y++) {
-		float *row = bake_image_row(img, y);
+	const size_t nc = (size_t)img->nchans;
 
-		for (int x = 0; x < img->width; x++)
-			row[x] = (float)((row[x] - near) / (far - near));
+	for (int y = 0; y < img->height; y++) {
+		float *v = bake_image_row(img, y) + chan;
+
+		for (int x = 0; x < img->width; x++, v += nc)
+			*v = (float)((*v - near) / (far - near));
 	}
 }
 
 static void
-value_range(const struct bake_image *img, double *lo, double *hi)
+value_range(const struct bake_image *img, int chan, double *lo, double *hi)
 {
-	*lo = *hi = img->data[0];
-	for (int y = 0; y < img->height; y++) {
-		const float *row = bake_image_row(img, y);
+	const size_t nc = (size_t)img->nchans;
 
-		for (int x = 0; x < img->width; x++) {
-			*lo = row[x] < *lo ? row[x] : *lo;
-			*hi = row[x] > *hi ? row[x] : *hi;
+	*lo = *hi = img->data[chan];
+	for (int y = 0; y < img->height; y++) {
+		const float *v = bake_image_row(img, y) + chan;
+
+		for (int x = 0; x < img->width; x++, v += nc) {
+			*lo = *v < *lo ? *v : *lo;
+			*hi = *v > *hi ? *v : *hi;
 		}
 	}
 }
 
 enum bake_polarity
-cmd_relief_range(struct cmd *cmd, struct cmd_map *map)
+cmd_relief_range_of(struct cmd *cmd, struct cmd_map *map, int chan)
 {
 	enum bake_polarity said = map->meta.polarity;
 	bool height = cmd->has_polarity ? cmd->polarity == BAKE_POLARITY_HEIGHT
@@ -317,13 +356,13 @@ cmd_relief_range(struct cmd *cmd, struct cmd_map *map)
 	if (cmd->has_polarity && said == BAKE_POLARITY_DEPTH)
 		cmd_warn(cmd, "%s: its metadata say depth, --height is taken",
 		    map->path);
-	value_range(&map->img, &lo, &hi);
+	value_range(&map->img, chan, &lo, &hi);
 	if (cmd->has_depth_range) {
-		apply_range(&map->img, cmd->depth_near, cmd->depth_far);
-		value_range(&map->img, &lo, &hi);
+		apply_range(&map->img, chan, cmd->depth_near, cmd->depth_far);
+		value_range(&map->img, chan, &lo, &hi);
 		height = false;
 	} else if (cmd->normalize && hi > lo) {
-		apply_range(&map->img, lo, hi);
+		apply_range(&map->img, chan, lo, hi);
 		lo = 0;
 		hi = 1;
 	}
@@ -333,6 +372,12 @@ cmd_relief_range(struct cmd *cmd, struct cmd_map *map)
 		    "--depth-range NEAR,FAR or auto maps them",
 		    map->path, lo, hi);
 	return height ? BAKE_POLARITY_HEIGHT : BAKE_POLARITY_DEPTH;
+}
+
+enum bake_polarity
+cmd_relief_range(struct cmd *cmd, struct cmd_map *map)
+{
+	return cmd_relief_range_of(cmd, map, 0);
 }
 
 void
@@ -433,28 +478,52 @@ write_params(struct cmd *cmd, const char *path, enum bake_data_format deepest,
 		cmd_error(cmd, CMD_NO_TYPE, path);
 		return false;
 	}
+	if (p->type == BAKE_FILE_TIFF || p->type == BAKE_FILE_EXR)
+		p->tile = cmd->tile;
 	p->data_format = cmd->has_data_format
 			     ? cmd->data_format
 			     : bake_file_type_nearest(p->type, deepest);
 	return true;
 }
 
-/* An image, or pixels, to a file that appears whole. */
+/* What is to be written: one of the three. */
+struct picture {
+	const struct bake_image *img;
+	const struct bake_pixels *px;
+	const struct bake_row_source *rows;
+};
+
+static enum bake_status
+write_picture(const struct picture *pic, const struct bake_write_params *p,
+    FILE *stream, const char *path, size_t *nclipped, struct bake_err *err)
+{
+	if (pic->img != NULL)
+		return bake_image_write(
+		    pic->img, p, stream, path, nclipped, err);
+	if (pic->px != NULL)
+		return bake_pixels_write(
+		    pic->px, p, stream, path, nclipped, err);
+	return bake_rows_write(pic->rows, p, stream, path, nclipped, err);
+}
+
+/* A picture to a file that appears whole. */
 static bool
-write_whole(struct cmd *cmd, const struct bake_image *img,
-    const struct bake_pixels *px, const char *path,
+write_whole(struct cmd *cmd, const struct picture *pic, const char *path,
     const struct bake_write_params *p)
 {
 	struct bake_output out = BAKE_OUTPUT_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
+	struct bake_write_params with = *p;
+	struct cmd_record record;
 	size_t nclipped = 0;
 	enum bake_status rc = bake_output_open(&out, path, &err);
 
+	cmd_recipe_attrs(cmd, path, &with.attrs, &record);
 	if (rc == BAKE_OK)
-		rc = img != NULL ? bake_image_write(img, p, out.stream, path,
-				       &nclipped, &err)
-				 : bake_pixels_write(px, p, out.stream, path,
-				       &nclipped, &err);
+		rc = write_picture(
+		    pic, &with, out.stream, path, &nclipped, &err);
+	if (rc == BAKE_OK)
+		rc = cmd_recipe_seal(&record, out.stream, &err);
 	if (rc != BAKE_OK || bake_output_commit(&out, &err) != BAKE_OK) {
 		bake_output_abort(&out);
 		cmd_error(cmd, "%s", err.msg);
@@ -474,14 +543,18 @@ bool
 cmd_write_as(struct cmd *cmd, const struct bake_image *img, const char *path,
     const struct bake_write_params *p)
 {
-	return write_whole(cmd, img, NULL, path, p);
+	const struct picture pic = { .img = img };
+
+	return write_whole(cmd, &pic, path, p);
 }
 
 bool
 cmd_write_pixels(struct cmd *cmd, const struct bake_pixels *px,
     const char *path, const struct bake_write_params *p)
 {
-	return write_whole(cmd, NULL, px, path, p);
+	const struct picture pic = { .px = px };
+
+	return write_whole(cmd, &pic, path, p);
 }
 
 bool
@@ -505,4 +578,17 @@ cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
 	if (meta != NULL)
 		bake_relief_meta_to_attrs(meta, &p.attrs);
 	return cmd_write_attrs(cmd, img, path, deepest, &p.attrs, names);
+}
+
+bool
+cmd_write_rows(struct cmd *cmd, const struct bake_row_source *rows,
+    const char *path, enum bake_data_format deepest,
+    const struct bake_relief_meta *meta, const char *const *names)
+{
+	const struct picture pic = { .rows = rows };
+	struct bake_write_params p = { .names = names };
+
+	bake_relief_meta_to_attrs(meta, &p.attrs);
+	return write_params(cmd, path, deepest, &p) &&
+	       write_whole(cmd, &pic, path, &p);
 }

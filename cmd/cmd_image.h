@@ -30,6 +30,21 @@ bool cmd_read(struct cmd *cmd, const char *path, struct cmd_map *map);
 bool cmd_read_raw(struct cmd *cmd, const char *path, struct cmd_map *map);
 
 /*
+ * The two halves of cmd_read, for what is chosen by what the file says of
+ * itself: open (the caller closes the reader, or loads), then read channel[0]
+ * … channel[n - 1] into channels 0 … n - 1, the reader being closed. channel
+ * NULL: the first n.
+ */
+bool cmd_open(struct cmd *cmd, const char *path, struct cmd_map *map,
+    struct bake_reader **reader);
+bool cmd_load(struct cmd *cmd, struct bake_reader *reader, const int *channel,
+    int n, struct cmd_map *map);
+
+/* What is looked at to tell what a map is, for a warning's sake: the image, or
+ * of a large one as many rows from its middle as have 2^24 texels. A view. */
+struct bake_image cmd_look_at(const struct bake_image *img);
+
+/*
  * Read one channel of a relief map or packed texture, and repair it: the one
  * called chan; with NULL, what the file says (rm-formats(5)): A of a packed
  * layout, else a channel called depth, height or Z, else A where R and G look
@@ -51,11 +66,14 @@ int cmd_relief_channel(const struct bake_image_info *info);
 bool cmd_packed_channels(const struct bake_image_info *info, int channel[4]);
 
 /*
- * Apply --depth-range to a stored relief (1 channel) and tell what its values
+ * Apply --depth-range to a stored relief (1 channel; _of: one of several) and
+ * tell what its values
  * then are: depth or height, by the option, else the metadata, else depth.
  * Warns about values outside 0 .. 1, and where option and metadata contradict.
  */
 enum bake_polarity cmd_relief_range(struct cmd *cmd, struct cmd_map *map);
+enum bake_polarity cmd_relief_range_of(
+    struct cmd *cmd, struct cmd_map *map, int chan);
 
 /* The same, and height turned into depth. */
 void cmd_to_depth(struct cmd *cmd, struct cmd_map *map);
@@ -95,6 +113,11 @@ bool cmd_outputs_differ(const struct cmd *cmd, const struct cmd_list *inputs);
 bool cmd_write(struct cmd *cmd, const struct bake_image *img, const char *path,
     enum bake_data_format deepest, const struct bake_relief_meta *meta,
     const char *const *names);
+
+/* The same of rows that are made as they are written. */
+bool cmd_write_rows(struct cmd *cmd, const struct bake_row_source *rows,
+    const char *path, enum bake_data_format deepest,
+    const struct bake_relief_meta *meta, const char *const *names);
 
 /* The same with attributes as they are. */
 bool cmd_write_attrs(struct cmd *cmd, const struct bake_image *img,

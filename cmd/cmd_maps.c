@@ -13,35 +13,24 @@ failed(struct cmd *cmd, const struct cmd_map *map, const struct bake_err *err)
 	return false;
 }
 
-/* x, y, z into channels 0, 1, 2: by the names R, G, B, else the first three;
- * with two channels, or a packed texture's, z is computed. */
-static bool
-arrange_normal(struct cmd *cmd, struct cmd_map *m)
+/* Where x, y and z are: by the names R, G, B, else the first three; returns
+ * how many, 2 where z is computed. */
+static int
+normal_channels(const struct cmd_map *m, int channel[3])
 {
-	struct bake_image xyz = BAKE_IMAGE_INIT;
-	struct bake_err err = BAKE_ERR_INIT;
-	bool packed = m->meta.layout == BAKE_LAYOUT_RELIEF;
-	int n = packed || m->img.nchans == 2 ? 2 : 3, packed_chan[4];
+	const bool packed = m->meta.layout == BAKE_LAYOUT_RELIEF;
+	const int n = packed || m->info.nchans == 2 ? 2 : 3;
+	int packed_chan[4];
 
-	if (m->img.nchans < 2) {
-		cmd_error(cmd, "%s: has 1 channel, a normal map has x, y and z",
-		    m->path);
-		return false;
-	}
-	if (bake_image_alloc(&xyz, m->img.width, m->img.height, n, &err) !=
-	    BAKE_OK)
-		return failed(cmd, m, &err);
 	for (int c = 0; c < n; c++) {
 		const char letter[2] = { "RGB"[c], '\0' };
 		int from = cmd_channel_index(&m->info, letter);
 
 		if (packed && cmd_packed_channels(&m->info, packed_chan))
 			from = packed_chan[c];
-		bake_image_copy_channel(&xyz, c, &m->img, from < 0 ? c : from);
+		channel[c] = from < 0 ? c : from;
 	}
-	bake_image_swap(&xyz, &m->img);
-	bake_image_free(&xyz);
-	return true;
+	return n;
 }
 
 /* Whatever the code, to the unsigned one; z for maps that have none. */
@@ -65,8 +54,19 @@ unify_code(struct cmd *cmd, struct cmd_map *m)
 bool
 cmd_read_normal(struct cmd *cmd, const char *path, struct cmd_map *map)
 {
-	return cmd_read(cmd, path, map) && arrange_normal(cmd, map) &&
-	       unify_code(cmd, map);
+	struct bake_reader *reader;
+	int channel[3], n;
+
+	if (!cmd_open(cmd, path, map, &reader))
+		return false;
+	if (map->info.nchans < 2) {
+		cmd_error(cmd, "%s: has 1 channel, a normal map has x, y and z",
+		    map->path);
+		bake_reader_close(reader);
+		return false;
+	}
+	n = normal_channels(map, channel);
+	return cmd_load(cmd, reader, channel, n, map) && unify_code(cmd, map);
 }
 
 enum bake_normal_y
@@ -107,6 +107,7 @@ cmd_warn_contradictions(struct cmd *cmd, const struct cmd_map *normal,
     const struct bake_relief_meta *said, const char *options)
 {
 	struct bake_maps maps = BAKE_MAPS_INIT;
+	struct bake_image part;
 	struct bake_inspection found = { .layout = BAKE_LAYOUT_UNKNOWN };
 	struct bake_contradictions bad;
 	struct bake_err err = BAKE_ERR_INIT;
@@ -114,16 +115,15 @@ cmd_warn_contradictions(struct cmd *cmd, const struct cmd_map *normal,
 
 	if (cmd->quiet)
 		return true;
-	rc = bake_image_alloc(
-	    &maps.normal, normal->img.width, normal->img.height, 3, &err);
+	part = cmd_look_at(&normal->img);
+	rc = bake_image_alloc(&maps.normal, part.width, part.height, 3, &err);
 	if (rc == BAKE_OK) {
 		for (int c = 0; c < 3; c++)
-			bake_image_copy_channel(
-			    &maps.normal, c, &normal->img, c);
+			bake_image_copy_channel(&maps.normal, c, &part, c);
 		bake_normal_decode(
 		    &maps.normal, BAKE_NORMAL_CODE_UNSIGNED, false);
 		if (relief != NULL)
-			maps.relief = relief->img; /* a view */
+			maps.relief = cmd_look_at(&relief->img); /* a view */
 		rc = bake_inspect_maps(&found, &maps, wrap, &err);
 	}
 	bake_image_free(&maps.normal);

@@ -4,6 +4,10 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+#include "cmd_batch.h"
+#include "cmd_recipe.h"
 
 static void
 warn_count(struct cmd *cmd, const char *path, size_t n, const char *what)
@@ -72,7 +76,12 @@ read_mesh_stdin(struct cmd *cmd, const struct bake_mesh_params *params,
 	bool gltf = bytes != NULL && n >= 4 &&
 		    (*bytes == '{' || memcmp(bytes, "glTF", 4) == 0);
 	bool ok = bytes != NULL;
+	struct bake_digest digest;
 
+	if (ok) {
+		digest = bake_digest_of(bytes, n);
+		cmd_recipe_stdin(cmd, &digest);
+	}
 	if (ok && bake_mesh_read_memory(bytes, n, gltf ? "-.gltf" : "-.obj",
 		      params, mesh, &err) != BAKE_OK) {
 		cmd_error(cmd, "standard input: %s", err.msg);
@@ -82,20 +91,37 @@ read_mesh_stdin(struct cmd *cmd, const struct bake_mesh_params *params,
 	return ok;
 }
 
+static bool
+read_mesh_file(struct cmd *cmd, const char *path,
+    const struct bake_mesh_params *params, struct bake_mesh *mesh)
+{
+	struct bake_err err = BAKE_ERR_INIT;
+	enum bake_status rc;
+	struct stat st;
+
+	if (stat(path, &st) != 0)
+		st.st_size = 0; /* the reader says what is wrong */
+	if (!cmd_claim(cmd, path, cmd->tool->texel_bytes * (double)st.st_size))
+		return false;
+	cmd_decode_begin(cmd, 16. * (double)st.st_size);
+	rc = bake_mesh_read(path, params, mesh, &err);
+	cmd_decode_end(cmd);
+	if (rc != BAKE_OK)
+		cmd_error(cmd, "%s", err.msg);
+	return rc == BAKE_OK;
+}
+
 bool
 cmd_read_mesh(struct cmd *cmd, const char *path,
     const struct bake_mesh_params *params, struct bake_mesh *mesh)
 {
 	bool standard = strcmp(path, "-") == 0;
-	struct bake_err err = BAKE_ERR_INIT;
 
-	if (standard) {
-		if (!read_mesh_stdin(cmd, params, mesh))
-			return false;
-	} else if (bake_mesh_read(path, params, mesh, &err) != BAKE_OK) {
-		cmd_error(cmd, "%s", err.msg);
+	if (standard ? !read_mesh_stdin(cmd, params, mesh)
+		     : !read_mesh_file(cmd, path, params, mesh))
 		return false;
-	}
+	if (mesh->dropped.missing_files > 0)
+		cmd_recipe_none(cmd); /* they may be there the next time */
 	for (size_t i = standard; i < mesh->nfiles; i++)
 		cmd_list_add(&cmd->read, mesh->files[i]);
 	warn_dropped(cmd, path, mesh);

@@ -72,6 +72,32 @@ cmd_number(const struct cmd *cmd, const char *option, const char *text,
 }
 
 bool
+cmd_bytes(
+    const struct cmd *cmd, const char *option, const char *text, double *bytes)
+{
+	static const char units[] = "KMGT";
+	const char *unit;
+	char *end = NULL;
+	double v = 0;
+
+	if (isdigit((unsigned char)*text))
+		v = strtod(text, &end);
+	if (end != NULL && *end != '\0' &&
+	    (unit = strchr(units, toupper((unsigned char)*end))) != NULL) {
+		for (const char *u = units; u <= unit; u++)
+			v *= 1024;
+		end++;
+	}
+	if (end == NULL || *end != '\0' || !(v >= 1 && v <= 1e18))
+		return cmd_usage_error(cmd,
+		    "--%s is '%s', expected a size in bytes, such as 512M or "
+		    "8G",
+		    option, text);
+	*bytes = v;
+	return true;
+}
+
+bool
 cmd_size(const struct cmd *cmd, const char *option, const char *text,
     int *width, int *height)
 {

@@ -4,11 +4,21 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "cmd.h"
+#include "cmd_recipe.h"
+#include "cmd_signal.h"
 #include "output.h"
+
+/* Memory for a few words of text: where that fails, nothing else will work. */
+static void *
+need(void *p)
+{
+	if (p != NULL)
+		return p;
+	cmd_die("no memory");
+}
 
 /* One line, with no control character from a file's name in it. */
 static void
@@ -103,27 +113,58 @@ cmd_inputs_fit(const struct cmd *cmd, int n)
 	return true;
 }
 
+/* A text of a list, where it stood, and for an input the output that it makes.
+ */
+struct pair {
+	const char *input;
+	char *path;
+	int i;
+};
+
+static int
+by_path(const void *a, const void *b)
+{
+	const struct pair *p = a, *q = b;
+	int order = strcmp(p->path, q->path);
+
+	return order != 0 ? order : p->i - q->i;
+}
+
+/* Two neighbours of sorted pairs that share a path. */
+static bool
+neighbours_differ(const struct cmd *cmd, const struct pair *p, int n)
+{
+	for (int k = 1; k < n; k++)
+		if (strcmp(p[k - 1].path, p[k].path) == 0)
+			return cmd_usage_error(cmd,
+			    "%s and %s would both be written to %s",
+			    p[k - 1].input, p[k].input, p[k].path);
+	return true;
+}
+
 bool
 cmd_paths_differ(const struct cmd *cmd, const struct cmd_list *in,
     char *(*path_of)(const struct cmd *cmd, const char *input, const void *arg),
     const void *arg)
 {
-	bool differ = true;
+	struct pair *pairs;
+	bool differ;
+	int n = 0;
 
-	for (int i = 0; differ && cmd->output_dir != NULL && i < in->n; i++) {
-		char *a = path_of(cmd, in->item[i], arg);
+	if (cmd->output_dir == NULL || in->n < 2)
+		return true;
+	pairs = need(calloc((size_t)in->n, sizeof *pairs));
+	for (int i = 0; i < in->n; i++) {
+		char *path = path_of(cmd, in->item[i], arg);
 
-		for (int k = 0; differ && a != NULL && k < i; k++) {
-			char *b = path_of(cmd, in->item[k], arg);
-
-			if (b != NULL && strcmp(a, b) == 0)
-				differ = cmd_usage_error(cmd,
-				    "%s and %s would both be written to %s",
-				    in->item[k], in->item[i], a);
-			free(b);
-		}
-		free(a);
+		if (path != NULL)
+			pairs[n++] = (struct pair){ in->item[i], path, i };
 	}
+	qsort(pairs, (size_t)n, sizeof *pairs, by_path);
+	differ = neighbours_differ(cmd, pairs, n);
+	for (int k = 0; k < n; k++)
+		free(pairs[k].path);
+	free(pairs);
 	return differ;
 }
 
@@ -139,16 +180,6 @@ cmd_silence_libraries(const struct cmd *cmd)
 		return;
 	dup2(fd, STDERR_FILENO);
 	close(fd);
-}
-
-/* Memory for a few words of text: where that fails, nothing else will work. */
-static void *
-need(void *p)
-{
-	if (p != NULL)
-		return p;
-	fputs("relief-tools: no memory\n", stderr);
-	exit(CMD_EXIT_FAIL);
 }
 
 void
@@ -172,6 +203,23 @@ cmd_list_free(struct cmd_list *list)
 	free(list->item);
 	list->item = NULL;
 	list->n = 0;
+}
+
+void
+cmd_list_cut(struct cmd_list *list, int n)
+{
+	while (list->n > n)
+		free(list->item[--list->n]);
+	if (list->item != NULL)
+		list->item[list->n] = NULL;
+}
+
+void
+cmd_list_move(struct cmd_list *list, struct cmd_list *from)
+{
+	for (int i = 0; i < from->n; i++)
+		cmd_list_add(list, from->item[i]);
+	cmd_list_free(from);
 }
 
 char *
@@ -199,55 +247,6 @@ cmd_path_derive(
 	return need(out);
 }
 
-/* -- progress ------------------------------------------------------------ */
-
-static double
-now(void)
-{
-	struct timespec t;
-
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static void
-report(void *arg, double done)
-{
-	enum { WIDTH = 40 };
-	struct cmd_progress *p = arg;
-	double t = now();
-	int filled = (int)(done * WIDTH);
-
-	if (t - p->started < 1 || t - p->shown < 0.1)
-		return;
-	p->shown = t;
-	p->drawn = true;
-	fprintf(p->err, "\r[%-*.*s] %3d %%", WIDTH, filled,
-	    "########################################", (int)(done * 100));
-	fflush(p->err);
-}
-
-struct bake_progress
-cmd_progress_start(const struct cmd *cmd, struct cmd_progress *state)
-{
-	struct bake_progress none = { NULL, NULL };
-	struct bake_progress bar = { report, state };
-
-	state->err = cmd->err;
-	state->started = now();
-	state->shown = 0;
-	state->drawn = false;
-	return !cmd->quiet && isatty(fileno(cmd->err)) ? bar : none;
-}
-
-void
-cmd_progress_end(struct cmd_progress *state)
-{
-	if (state->drawn)
-		fprintf(state->err, "\r%50s\r", "");
-	state->drawn = false;
-}
-
 /* -- leaving --------------------------------------------------------------- */
 
 /* A path as Make reads it: blanks, '#' and '$' escaped. */
@@ -263,13 +262,31 @@ put_make_path(FILE *fp, const char *path)
 	}
 }
 
-static bool
-seen_before(const struct cmd_list *list, int i)
+static int
+by_text_and_place(const void *a, const void *b)
 {
-	for (int k = 0; k < i; k++)
-		if (strcmp(list->item[k], list->item[i]) == 0)
-			return true;
-	return false;
+	const struct pair *p = a, *q = b;
+	int order = strcmp(p->input, q->input);
+
+	return order != 0 ? order : p->i - q->i;
+}
+
+/* Which of a list's texts stand there for the first time; to be freed. */
+static bool *
+first_of_each(const struct cmd_list *list)
+{
+	size_t n = (size_t)list->n;
+	bool *first = need(calloc(n + 1, sizeof *first));
+	struct pair *at = need(calloc(n + 1, sizeof *at));
+
+	for (int i = 0; i < list->n; i++)
+		at[i] = (struct pair){ list->item[i], NULL, i };
+	qsort(at, n, sizeof *at, by_text_and_place);
+	for (size_t k = 0; k < n; k++)
+		first[at[k].i] =
+		    k == 0 || strcmp(at[k - 1].input, at[k].input) != 0;
+	free(at);
+	return first;
 }
 
 static bool
@@ -277,6 +294,7 @@ write_depfile(struct cmd *cmd)
 {
 	struct bake_output out = BAKE_OUTPUT_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
+	bool *first;
 
 	if (bake_output_open(&out, cmd->depfile, &err) != BAKE_OK) {
 		cmd_error(cmd, "%s", err.msg);
@@ -288,8 +306,9 @@ write_depfile(struct cmd *cmd)
 		put_make_path(out.stream, cmd->written.item[i]);
 	}
 	putc(':', out.stream);
+	first = first_of_each(&cmd->read);
 	for (int i = 0; i < cmd->read.n; i++) {
-		if (seen_before(&cmd->read, i))
+		if (!first[i])
 			continue;
 		fputs(" \\\n  ", out.stream);
 		put_make_path(out.stream, cmd->read.item[i]);
@@ -298,11 +317,12 @@ write_depfile(struct cmd *cmd)
 	/* a rule without prerequisites for each, so that a file that is gone
 	 * does not stop make */
 	for (int i = 0; i < cmd->read.n; i++) {
-		if (seen_before(&cmd->read, i))
+		if (!first[i])
 			continue;
 		put_make_path(out.stream, cmd->read.item[i]);
 		fputs(":\n", out.stream);
 	}
+	free(first);
 	if (bake_output_commit(&out, &err) != BAKE_OK) {
 		cmd_error(cmd, "%s", err.msg);
 		return false;
@@ -321,10 +341,12 @@ cmd_finish(struct cmd *cmd, int status)
 		cmd_error(cmd, "standard output: cannot be written");
 		status = CMD_EXIT_FAIL;
 	}
+	cmd_recipe_free(cmd);
 	cmd_list_free(&cmd->args);
 	cmd_list_free(&cmd->operands);
 	cmd_list_free(&cmd->read);
 	cmd_list_free(&cmd->written);
+	cmd_signals_speak(STDERR_FILENO);
 	if (cmd->err != stderr)
 		fclose(cmd->err);
 	return status;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_recipe.h"
 #include "cmd_target.h"
 #include "combine_tool.h"
 
@@ -43,9 +44,9 @@ enum {
 
 const struct cmd_option combine_options[] = {
 	{ KEY_AO, "ao", "FILE",
-	    "a layer of plain maps: its AO; none is open (default: baked)" },
+	    "a layer of plain maps: its AO; {none} is open (default: baked)" },
 	{ KEY_AO_BLEND, "ao-blend", "NAME",
-	    "multiply (default), min, or bake: of the blended depth" },
+	    "{multiply} (default), {min}, or {bake}: of the blended depth" },
 	{ KEY_AO_RESCALE, "ao-rescale", NULL,
 	    "fit the layers' AO to the depth scale the blend gives them" },
 	{ KEY_COLOR, "color", "FILE", "the next layer's colour map" },
@@ -69,34 +70,36 @@ const struct cmd_option combine_options[] = {
 	{ KEY_EXR_NAMES, "exr-names", NULL,
 	    "EXR channels normal.x normal.y ao depth, not RGBA" },
 	{ KEY_FILTER, "filter", "NAME",
-	    "catmull-rom (default), bspline, mitchell, triangle or box" },
+	    "{catmull-rom} (default), {bspline}, {mitchell}, {triangle} or "
+	    "{box}" },
 	{ KEY_LAYER_DEPTH_SCALE, "layer-depth-scale", "S",
 	    "what the next layer was made for (default: its file's, or 0.1)" },
 	{ KEY_LAYER_NORMAL_CODE, "layer-normal-code", "CODE",
-	    "the next layer's normals: unsigned, signed or auto" },
+	    "the next layer's normals: {unsigned}, {signed} or {auto}" },
 	{ KEY_LAYER_NORMAL_Y, "layer-normal-y", "up|down",
 	    "where the next layer's normals' positive y points" },
 	{ KEY_LAYER_POLARITY, "layer-polarity", "NAME",
-	    "what the next layer's relief holds: depth or height" },
+	    "what the next layer's relief holds: {depth} or {height}" },
 	{ KEY_LIST_TARGETS, "list-targets", NULL,
 	    "print the targets and what each writes" },
 	{ KEY_NO_CHECK, "no-check", NULL,
 	    "do not look whether plain maps contradict the options" },
 	{ KEY_NORMAL, "normal", "FILE", "a layer of plain maps: its normals" },
 	{ KEY_NORMAL_BLEND, "normal-blend", "NAME",
-	    "seed (default), pd, rnm, udn, whiteout or from-depth" },
+	    "{seed} (default), {pd}, {rnm}, {udn}, {whiteout} or "
+	    "{from-depth}" },
 	{ KEY_NORMAL_WEIGHT, "normal-weight", "W",
 	    "the next layer's weight in the normals (default: -w's)" },
 	{ KEY_OFFSET, "offset", "U,V",
 	    "move the next layer right and up, in its repeats" },
 	{ KEY_QUALITY, "quality", "NAME",
-	    "of AO that is baked: exact (default), fast or preview" },
+	    "of AO that is baked: {exact} (default), {fast} or {preview}" },
 	{ KEY_REPEAT, "repeat", "N",
 	    "the result covers N repeats of the base (default 1)" },
 	{ KEY_SIZE, "size", "WxH",
 	    "the result's size (default: the first layer's, times --repeat)" },
 	{ KEY_SLOPE, "slope", "NAME",
-	    "central (default) or scharr, for from-depth" },
+	    "{central} (default) or {scharr}, for from-depth" },
 	{ KEY_TARGET, "target", "NAME",
 	    "what a renderer reads (default relief); see --list-targets" },
 	{ 't', "tile", "F[xF]",
@@ -104,6 +107,17 @@ const struct cmd_option combine_options[] = {
 	{ 'w', "weight", "W",
 	    "the next layer's weight, 0 or more (default 1)" },
 	{ 0, NULL, NULL, NULL },
+};
+
+const struct cmd_mark combine_marks[] = {
+	{ "ao", CMD_ARG_INPUT, " none " },
+	{ "color", CMD_ARG_INPUT, NULL },
+	{ "color-out", CMD_ARG_NEUTRAL, NULL },
+	{ "depth", CMD_ARG_INPUT, NULL },
+	{ "list-targets", CMD_ARG_REPORT, NULL },
+	{ "no-check", CMD_ARG_NEUTRAL, NULL },
+	{ "normal", CMD_ARG_INPUT, NULL },
+	{ NULL, 0, NULL },
 };
 
 /* -- layers --------------------------------------------------------------- */

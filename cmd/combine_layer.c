@@ -264,6 +264,35 @@ check_agreement(struct reading *g, const struct cmd_map *normal,
 	    "--layer-polarity, --layer-normal-y and --layer-depth-scale");
 }
 
+/* Depth and normals into the four channels, each map gone as soon as it is
+ * there; the depth stays where an occlusion is to be baked from it. */
+static bool
+put_maps(struct reading *g, struct cmd_map *normal, struct cmd_map *depth,
+    bool keep_depth)
+{
+	struct bake_image *maps = &g->r->maps;
+	struct bake_err err = BAKE_ERR_INIT;
+	const struct bake_image *size =
+	    depth->img.data != NULL ? &depth->img : &normal->img;
+
+	if (bake_image_alloc(maps, size->width, size->height, NCHANS, &err) !=
+	    BAKE_OK)
+		return failed(g->cmd, combine_name(g->l), &err);
+	for (int c = NX; c <= NY; c++)
+		if (normal->img.data != NULL)
+			bake_image_copy_channel(maps, c, &normal->img, c);
+		else
+			fill(maps, c, 0.5f);
+	bake_image_free(&normal->img);
+	if (depth->img.data != NULL)
+		bake_image_copy_channel(maps, DEPTH, &depth->img, 0);
+	else
+		fill(maps, DEPTH, 0);
+	if (!keep_depth)
+		bake_image_free(&depth->img);
+	return true;
+}
+
 /* All into the four channels, at the depth's size, else the normals'. */
 static bool
 assemble(struct reading *g, struct cmd_map *normal, struct cmd_map *depth,
@@ -272,12 +301,12 @@ assemble(struct reading *g, struct cmd_map *normal, struct cmd_map *depth,
 	const struct bake_image *size =
 	    depth->img.data != NULL ? &depth->img : &normal->img;
 	const int w = size->width, h = size->height;
+	const bool has_ao = ao->img.data != NULL;
 	struct combine_read *r = g->r;
-	struct bake_err err = BAKE_ERR_INIT;
 
 	if ((normal->img.data != NULL &&
 		!cmd_resize(g->cmd, normal, r->wrap, w, h)) ||
-	    (ao->img.data != NULL && !cmd_resize(g->cmd, ao, r->wrap, w, h)))
+	    (has_ao && !cmd_resize(g->cmd, ao, r->wrap, w, h)))
 		return false;
 	r->depth_scale = layer_scale(g);
 	r->ao_scale = bake_relief_meta_ao_scale(&ao->meta);
@@ -289,20 +318,9 @@ assemble(struct reading *g, struct cmd_map *normal, struct cmd_map *depth,
 		return false;
 	if (g->said.normal_y == BAKE_NORMAL_Y_DOWN)
 		bake_relief_flip(&normal->img, 1);
-	if (bake_image_alloc(&r->maps, w, h, NCHANS, &err) != BAKE_OK)
-		return failed(g->cmd, combine_name(g->l), &err);
-	for (int c = NX; c <= NY; c++)
-		if (normal->img.data != NULL)
-			bake_image_copy_channel(&r->maps, c, &normal->img, c);
-		else
-			fill(&r->maps, c, 0.5f);
-	bake_image_free(&normal->img);
-	if (depth->img.data != NULL)
-		bake_image_copy_channel(&r->maps, DEPTH, &depth->img, 0);
-	else
-		fill(&r->maps, DEPTH, 0);
-	return put_ao(g, depth->img.data != NULL ? &depth->img : NULL,
-	    ao->img.data != NULL ? &ao->img : NULL);
+	return put_maps(g, normal, depth, !has_ao) &&
+	       put_ao(g, depth->img.data != NULL ? &depth->img : NULL,
+		   has_ao ? &ao->img : NULL);
 }
 
 static bool
@@ -327,21 +345,19 @@ read_plain(struct reading *g)
 /* -- packed textures ---------------------------------------------------------
  */
 
-/* RELIEF or NORMAL_RELIEF, by the metadata, else by the texels; and where its
+/* Whether the file says that it is a packed texture, or nothing; and where its
  * channels are. */
 static bool
-packed_layout(struct reading *g, const struct cmd_map *map, int rgba[4],
-    enum bake_layout *layout)
+find_packed(struct reading *g, const struct cmd_map *map, int rgba[4])
 {
-	struct bake_err err = BAKE_ERR_INIT;
+	const enum bake_layout layout = map->meta.layout;
 
-	*layout = map->meta.layout;
-	if (*layout != BAKE_LAYOUT_UNKNOWN && *layout != BAKE_LAYOUT_RELIEF &&
-	    *layout != BAKE_LAYOUT_NORMAL_RELIEF) {
+	if (layout != BAKE_LAYOUT_UNKNOWN && layout != BAKE_LAYOUT_RELIEF &&
+	    layout != BAKE_LAYOUT_NORMAL_RELIEF) {
 		cmd_error(g->cmd,
 		    "%s: its layout is %s, not a packed texture's: give maps "
 		    "with --normal, --depth and --ao",
-		    map->path, bake_layout_name(*layout));
+		    map->path, bake_layout_name(layout));
 		return false;
 	}
 	if (!cmd_packed_channels(&map->info, rgba)) {
@@ -351,10 +367,23 @@ packed_layout(struct reading *g, const struct cmd_map *map, int rgba[4],
 		    map->path, map->info.nchans);
 		return false;
 	}
+	return true;
+}
+
+/* RELIEF or NORMAL_RELIEF, by the metadata, else by the texels. */
+static bool
+packed_layout(
+    struct reading *g, const struct cmd_map *map, enum bake_layout *layout)
+{
+	static const int rgba[4] = { 0, 1, 2, 3 };
+	const struct bake_image part = cmd_look_at(&map->img);
+	struct bake_err err = BAKE_ERR_INIT;
+
+	*layout = map->meta.layout;
 	if (*layout != BAKE_LAYOUT_UNKNOWN)
 		return true;
-	if (bake_layout_guess(&map->img, rgba, cmd_normal_code(g->cmd, map),
-		layout, &err) != BAKE_OK)
+	if (bake_layout_guess(&part, rgba, cmd_normal_code(g->cmd, map), layout,
+		&err) != BAKE_OK)
 		return failed(g->cmd, map->path, &err);
 	if (*layout == BAKE_LAYOUT_NORMAL_RELIEF)
 		cmd_warn(g->cmd,
@@ -394,30 +423,13 @@ encode(struct bake_image *img, int chan)
 	}
 }
 
-/* Channels in order, x and y in the unsigned code. */
-static bool
-arrange(struct reading *g, struct cmd_map *map, const int rgba[4],
-    enum bake_layout layout)
+/* x and y in the unsigned code. */
+static void
+unify_code(struct reading *g, struct cmd_map *map, enum bake_layout layout)
 {
-	const enum bake_normal_code code = cmd_normal_code(g->cmd, map);
-	const bool straight = rgba[0] == 0 && rgba[1] == 1 && rgba[2] == 2 &&
-			      rgba[3] == 3 && map->img.nchans == NCHANS;
-	struct combine_read *r = g->r;
-	struct bake_err err = BAKE_ERR_INIT;
-
-	for (int c = 0; c < (layout == BAKE_LAYOUT_RELIEF ? 2 : 3); c++)
-		if (code == BAKE_NORMAL_CODE_SIGNED)
-			encode(&map->img, rgba[c]);
-	if (straight) {
-		bake_image_swap(&r->maps, &map->img);
-		return true;
-	}
-	if (bake_image_alloc(&r->maps, map->img.width, map->img.height, NCHANS,
-		&err) != BAKE_OK)
-		return failed(g->cmd, map->path, &err);
-	for (int c = 0; c < NCHANS; c++)
-		bake_image_copy_channel(&r->maps, c, &map->img, rgba[c]);
-	return true;
+	if (cmd_normal_code(g->cmd, map) == BAKE_NORMAL_CODE_SIGNED)
+		for (int c = 0; c < (layout == BAKE_LAYOUT_RELIEF ? 2 : 3); c++)
+			encode(&map->img, c);
 }
 
 /* Whether the relief is depth in codes, and nothing is asked of it. */
@@ -436,23 +448,40 @@ depth_is_settled(
 		       !derives_from_depth(g->o)));
 }
 
+/* Whether something has to look at the relief on its own. */
+static bool
+wants_relief(
+    const struct reading *g, const struct cmd_map *map, enum bake_layout layout)
+{
+	return layout == BAKE_LAYOUT_NORMAL_RELIEF ||
+	       ((derives_from_depth(g->o) || g->o->dequantize) &&
+		   map->info.data_format == BAKE_DATA_UINT8);
+}
+
 /* What is left to do once the channels are in order. */
 static bool
 settle_packed(struct reading *g, struct cmd_map *map, enum bake_layout layout)
 {
 	struct combine_read *r = g->r;
 	struct cmd_map relief = CMD_MAP_INIT;
-	bool ok;
+	bool ok = true;
 
 	r->depth_scale = layer_scale(g);
 	r->ao_scale = map->meta.has_ao_scale ? map->meta.ao_scale : 0;
-	map->img = r->maps; /* a view, for its size */
-	ok = depth_is_settled(g, map, layout) ||
-	     (take_relief(g, map, DEPTH, &relief) &&
-		 settle_depth(g, &relief, cmd_relief_range(g->cmd, &relief)));
-	map->img = (struct bake_image)BAKE_IMAGE_INIT;
-	if (ok && relief.img.data != NULL)
-		bake_image_copy_channel(&r->maps, DEPTH, &relief.img, 0);
+	if (depth_is_settled(g, map, layout)) {
+		/* as it is */
+	} else if (wants_relief(g, map, layout)) {
+		ok =
+		    take_relief(g, map, DEPTH, &relief) &&
+		    settle_depth(g, &relief, cmd_relief_range(g->cmd, &relief));
+		if (ok)
+			bake_image_copy_channel(
+			    &map->img, DEPTH, &relief.img, 0);
+	} else if (cmd_relief_range_of(g->cmd, map, DEPTH) ==
+		   BAKE_POLARITY_HEIGHT) {
+		bake_relief_flip(&map->img, DEPTH);
+	}
+	bake_image_swap(&r->maps, &map->img);
 	if (ok && layout == BAKE_LAYOUT_NORMAL_RELIEF) {
 		/* z is where the AO goes */
 		unit_xy(&r->maps, length_tolerance(map->info.data_format));
@@ -469,16 +498,26 @@ read_packed(struct reading *g)
 {
 	struct cmd_map map = CMD_MAP_INIT;
 	enum bake_layout layout = BAKE_LAYOUT_UNKNOWN;
-	int rgba[4];
+	struct bake_reader *reader;
+	int rgba[NCHANS];
 	bool ok;
 
-	if (!cmd_read(g->cmd, g->l->packed, &map))
+	if (!cmd_open(g->cmd, g->l->packed, &map, &reader))
+		return false;
+	if (!find_packed(g, &map, rgba)) {
+		bake_reader_close(reader);
+		return false;
+	}
+	if (!cmd_load(g->cmd, reader, rgba, NCHANS, &map))
 		return false;
 	g->meta = map.meta;
 	g->r->wrap = cmd_wrap(g->cmd, &map);
 	note_format(g->r, &map);
-	ok = packed_layout(g, &map, rgba, &layout) &&
-	     arrange(g, &map, rgba, layout) && settle_packed(g, &map, layout);
+	ok = packed_layout(g, &map, &layout);
+	if (ok) {
+		unify_code(g, &map, layout);
+		ok = settle_packed(g, &map, layout);
+	}
 	cmd_map_free(&map);
 	return ok;
 }

@@ -57,6 +57,7 @@ struct combine_opts {
 
 /* The options; set_option of the tool, operands included. */
 extern const struct cmd_option combine_options[];
+extern const struct cmd_mark combine_marks[];
 bool combine_set(struct cmd *cmd, int key, const char *arg);
 /* The layer that is being put together is whole; the next one begins. False,
  * the reason printed, where memory runs out. */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_batch.h"
 #include "io_exr.h"
 #include "mem.h"
 
@@ -14,12 +15,21 @@ bool
 info_exr_open(struct cmd *cmd, const char *path, struct bake_exr **exr)
 {
 	struct bake_err ignored = BAKE_ERR_INIT;
+	enum bake_status rc;
 
 	cmd_silence_libraries(cmd);
 	*exr = NULL;
-	/* whatever is wrong with it, the other reader says */
-	if (strcmp(path, "-") == 0 ||
-	    bake_exr_open(exr, path, &cmd->limits, &ignored) != BAKE_OK)
+	if (strcmp(path, "-") == 0)
+		return false;
+	cmd_decode_begin(cmd, 0);
+	rc = bake_exr_open(exr, path, &cmd->limits, &ignored);
+	cmd_decode_end(cmd);
+	/* the other reader may come further, and see only one part */
+	if (rc == BAKE_ENOMEM || rc == BAKE_EIO) {
+		cmd_error(cmd, "%s", ignored.msg);
+		return true;
+	}
+	if (rc != BAKE_OK) /* whatever is wrong, the other reader says it */
 		return false;
 	if (bake_exr_nparts(*exr) > 1 || bake_exr_info(*exr, 0)->deep)
 		return true;
@@ -164,10 +174,12 @@ info_exr_look(struct cmd *cmd, const struct info_opts *o, struct bake_exr *exr,
 	r->number = part + 1;
 	r->deep = p->deep;
 	bake_relief_meta_from_attrs(&r->map.meta, &p->info.attrs);
+	cmd_decode_begin(cmd, 1e9);
 	if (p->deep)
 		rc = look_deep(exr, part, r, &err);
 	else
 		rc = read_flat(exr, part, r, &err);
+	cmd_decode_end(cmd);
 	if (rc != BAKE_OK) {
 		cmd_error(cmd, "%s", err.msg);
 		return false;

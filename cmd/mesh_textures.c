@@ -6,6 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "cmd_batch.h"
+#include "cmd_recipe.h"
 #include "mem.h"
 #include "repair.h"
 
@@ -102,10 +104,13 @@ read_picture(
 {
 	struct bake_image_info info;
 	struct bake_reader *reader = NULL;
-	enum bake_status rc = open_picture(p, &reader, &info, err);
+	enum bake_status rc;
 
+	cmd_decode_begin(p->cmd, 1e9);
+	rc = open_picture(p, &reader, &info, err);
 	if (rc == BAKE_OK)
 		rc = bake_reader_read(reader, 0, channels_of(&info), img, err);
+	cmd_decode_end(p->cmd);
 	if (rc == BAKE_OK)
 		rc = make_linear(p, &info, img, err);
 	if (rc != BAKE_OK)
@@ -134,6 +139,7 @@ take_picture(struct cmd *cmd, const struct bake_mesh *mesh,
 		t->list[i] = &t->image[i];
 		return;
 	}
+	cmd_recipe_none(cmd); /* it may be there the next time */
 	cmd_warn(cmd, "%s: material '%s' is without its picture: %s%s",
 	    mesh_path, m->name, err.msg,
 	    err.code == BAKE_ELIMIT ? "; --max-pixels N allows it" : "");

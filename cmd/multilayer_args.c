@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_recipe.h"
 #include "multilayer_tool.h"
 
 enum {
@@ -38,10 +39,11 @@ enum {
 const struct cmd_option multilayer_options[] = {
 	{ KEY_ALL_COLORS, "all-colors", NULL,
 	    "a colour image for each layer, not for the first alone" },
-	{ KEY_AXIS, "axis", "SIDE", "the side that is seen: +x … -z (+z)" },
+	{ KEY_AXIS, "axis", "SIDE",
+	    "that is seen: {+x}, {-x}, {+y}, {-y}, {+z} (default) or {-z}" },
 	{ KEY_CAP_POLICY, "cap-policy", "NAME",
-	    "what goes where layers are too many: smallest (default), the "
-	    "thinnest slabs and gaps, or nearest is kept" },
+	    "what goes where layers are too many: {smallest} (default), the "
+	    "thinnest slabs and gaps, or {nearest} is kept" },
 	{ KEY_DEEP, "deep", NULL, "one deep EXR, with every layer there is" },
 	{ 's', "depth-scale", "S",
 	    "of --from-depth: depth range / texture width (default 0.1)" },
@@ -54,17 +56,18 @@ const struct cmd_option multilayer_options[] = {
 	{ KEY_IMPOSTOR, "impostor", NULL,
 	    "fit to the object, its middle at depth 0.5, colour with alpha" },
 	{ KEY_LAYERS, "layers", "N",
-	    "the most layers of a texel, even, or all (default 4)" },
+	    "the most layers of a texel, an even number, or {all} "
+	    "(default 4)" },
 	{ KEY_MIP_LEVELS, "mip-levels", "[=N]",
 	    "N smaller levels, or all, by occupancy" },
 	{ KEY_MIP_THRESHOLD, "mip-threshold", "NAME",
-	    "solid where: volume (default), as much as in the first level; "
-	    "half of the texels are" },
+	    "solid where: {volume} (default), as much as in the first level; "
+	    "{half} of the texels are" },
 	{ KEY_MULTI_PART, "multi-part", NULL,
 	    "one EXR with a part for each image, as -o NAME.exr does" },
 	{ KEY_NO_COLOR, "no-color", NULL, "no colour image" },
 	{ KEY_NORMALS, "normals", "NAME",
-	    "auto (default: the file's, else computed), file, computed" },
+	    "{auto} (default: the file's, else computed), {file}, {computed}" },
 	{ KEY_PREVIEW, "preview", "FILE",
 	    "a picture of each layer, side by side" },
 	{ KEY_REGION, "region", "X0,Y0,X1,Y1",
@@ -76,7 +79,7 @@ const struct cmd_option multilayer_options[] = {
 	{ KEY_STATS, "stats", NULL,
 	    "print how many layers there are, and what was lost" },
 	{ KEY_TARGET, "target", "NAME",
-	    "relief (default), or policarpo: normal y down" },
+	    "{relief} (default), or {policarpo}: normal y down" },
 	{ KEY_TEXTURE, "texture", "FILE",
 	    "the base colour, instead of what the mesh's materials name" },
 	{ KEY_TILE, "tile", "x|y|xy|none",
@@ -87,6 +90,14 @@ const struct cmd_option multilayer_options[] = {
 	{ KEY_WELD, "weld", "EPS",
 	    "join positions that are so near (default 0: equal ones)" },
 	{ 0, NULL, NULL, NULL },
+};
+
+const struct cmd_mark multilayer_marks[] = {
+	{ "from-depth", CMD_ARG_INPUT, NULL },
+	{ "preview", CMD_ARG_NEUTRAL, NULL },
+	{ "stats", CMD_ARG_REPORT | CMD_ARG_NEUTRAL, NULL },
+	{ "texture", CMD_ARG_INPUT, NULL },
+	{ NULL, 0, NULL },
 };
 
 static bool

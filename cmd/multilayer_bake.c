@@ -223,9 +223,8 @@ bake_view_of(struct cmd *cmd, const struct multilayer_opts *o,
 	return ok;
 }
 
-/* PREFIX, or PREFIX_x before its extension. To be freed; NULL for NULL. */
-static char *
-view_prefix(const char *prefix, char letter)
+char *
+multilayer_view_prefix(const char *prefix, char letter)
 {
 	const char suffix[3] = { '_', letter, '\0' };
 
@@ -246,7 +245,7 @@ bake_views(struct cmd *cmd, const struct multilayer_opts *o,
 	if (o->nviews == 1)
 		return bake_view_of(cmd, o, s, o->axis, prefix);
 	for (int i = 0; i < 3 && ok; i++) {
-		char *one = view_prefix(prefix, "xyz"[i]);
+		char *one = multilayer_view_prefix(prefix, "xyz"[i]);
 
 		ok = bake_view_of(cmd, o, s, three[i], one);
 		free(one);

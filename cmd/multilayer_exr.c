@@ -3,14 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_recipe.h"
 #include "io_exr.h"
 #include "mem.h"
 #include "multilayer_tool.h"
 #include "output.h"
 
-/* NAME.exr, where that is not the name already; '-' stays. To be freed. */
-static char *
-exr_path(const char *prefix)
+char *
+multilayer_exr_path(const char *prefix)
 {
 	enum bake_file_type type;
 	char *path = NULL;
@@ -51,6 +51,7 @@ write_parts(struct cmd *cmd, const struct multilayer_album *a, FILE *stream,
 	struct bake_exr_channels *channels =
 	    bake_alloc(n, sizeof *channels, err);
 	struct bake_attrs *attrs = bake_alloc(n, sizeof *attrs, err);
+	struct cmd_record record;
 	enum bake_status rc = BAKE_ENOMEM;
 
 	if (part != NULL && channels != NULL && attrs != NULL) {
@@ -66,8 +67,12 @@ write_parts(struct cmd *cmd, const struct multilayer_album *a, FILE *stream,
 			part[i].channels = &channels[i];
 			part[i].attrs = &attrs[i];
 		}
+		/* one for the file */
+		cmd_recipe_attrs(cmd, path, &attrs[0], &record);
 		rc = bake_exr_write(
 		    part, a->n, cmd->nthreads, stream, path, err);
+		if (rc == BAKE_OK)
+			rc = cmd_recipe_seal(&record, stream, err);
 	}
 	free(part);
 	free(channels);
@@ -81,7 +86,7 @@ multilayer_write_parts(
 {
 	struct bake_output out = BAKE_OUTPUT_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
-	char *path = exr_path(prefix);
+	char *path = multilayer_exr_path(prefix);
 	enum bake_status rc;
 	bool ok;
 
@@ -175,10 +180,12 @@ write_image(struct cmd *cmd, struct deep *d,
 	};
 	struct bake_err ignored = BAKE_ERR_INIT;
 	struct bake_attrs attrs;
+	struct cmd_record record;
 	enum bake_status rc;
 
 	bake_attrs_clear(&attrs);
 	bake_relief_meta_to_attrs(meta, &attrs);
+	cmd_recipe_attrs(cmd, path, &attrs, &record);
 	rc = bake_deep_writer_open(&d->writer, stream, path, d->view->width,
 	    d->view->height, channel,
 	    d->colors ? DEEP_CHANNELS : DEEP_CHANNELS - 3, &attrs,
@@ -190,7 +197,8 @@ write_image(struct cmd *cmd, struct deep *d,
 		bake_deep_writer_close(d->writer, &ignored);
 		return rc;
 	}
-	return bake_deep_writer_close(d->writer, err);
+	rc = bake_deep_writer_close(d->writer, err);
+	return rc == BAKE_OK ? cmd_recipe_seal(&record, stream, err) : rc;
 }
 
 bool
@@ -202,7 +210,7 @@ multilayer_write_deep(struct cmd *cmd, const struct multilayer_opts *o,
 	struct deep d = { ml, &p->view, p->ncolors > 0, NULL, stats };
 	struct bake_output out = BAKE_OUTPUT_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
-	char *path = exr_path(prefix);
+	char *path = multilayer_exr_path(prefix);
 	enum bake_status rc;
 	bool ok;
 

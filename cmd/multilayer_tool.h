@@ -38,6 +38,7 @@ struct multilayer_set {
 
 bool multilayer_set_option(struct cmd *cmd, int key, const char *arg);
 extern const struct cmd_option multilayer_options[];
+extern const struct cmd_mark multilayer_marks[];
 
 /* Whether the options go together; otherwise a usage error. */
 bool multilayer_usage(struct cmd *cmd, const struct multilayer_opts *o);
@@ -52,6 +53,22 @@ bool multilayer_height_field(struct cmd *cmd, const struct multilayer_opts *o,
 /* The data format of the outputs. */
 enum bake_data_format multilayer_format(
     const struct cmd *cmd, enum bake_data_format deepest);
+
+/* Say what will be written to files whose names begin with prefix (NULL: no
+ * files), and whether --if-changed finds it there. */
+bool multilayer_unchanged(
+    struct cmd *cmd, const struct multilayer_opts *o, const char *prefix);
+/* How many textures of depth, colours and levels after the first a set has:
+ * what its files are is told in their records. */
+void multilayer_plan_set(struct cmd *cmd, const struct multilayer_opts *o,
+    const struct bake_layer_maps *maps, int nlevels, const char *prefix);
+/* NAME.exr, where that is not the name already; '-' stays. To be freed. */
+char *multilayer_exr_path(const char *prefix);
+/* PREFIX_x …, one of the views of an object; letter 0: PREFIX itself. To be
+ * freed; NULL for NULL. */
+char *multilayer_view_prefix(const char *prefix, char letter);
+/* Where --preview goes for that view. */
+char *multilayer_preview_path(const struct multilayer_opts *o, char letter);
 
 /* Write a set: its mip levels, dilated, as many files or as one. */
 bool multilayer_write(struct cmd *cmd, const struct multilayer_opts *o,

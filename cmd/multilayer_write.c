@@ -178,9 +178,7 @@ write_preview(struct cmd *cmd, const struct multilayer_opts *o,
 		.data_format = BAKE_DATA_UINT8,
 		.png_level = cmd->png_level };
 	struct bake_err err = BAKE_ERR_INIT;
-	const char suffix[3] = { '_', set->meta.layer.axis[1], '\0' };
-	char *path = cmd_path_derive(
-	    o->preview, NULL, o->nviews > 1 ? suffix : "", NULL);
+	char *path = multilayer_preview_path(o, set->meta.layer.axis[1]);
 	bool ok;
 
 	(void)bake_file_type_from_path(path, &p.type);
@@ -303,6 +301,7 @@ multilayer_write(struct cmd *cmd, const struct multilayer_opts *o,
 
 	if (!ok)
 		cmd_error(cmd, "%s: no memory", prefix);
+	multilayer_plan_set(cmd, o, &set->maps, n, prefix);
 	/* before its normals are turned */
 	ok = ok && (o->preview == NULL || write_preview(cmd, o, color, set));
 	if (ok) {

@@ -20,6 +20,8 @@ struct pack {
 	const struct pack_opts *o;
 	struct cmd_map normal, relief, ao;
 	bool has_normal, has_relief, has_ao;
+	bool derives_normal;     /* row by row, when they are written */
+	struct bake_image depth; /* what is derived from; may be the relief */
 	enum bake_normal_y normal_y;
 	enum bake_polarity polarity;
 	enum bake_data_format deepest;
@@ -211,43 +213,49 @@ derive_relief(struct pack *p)
 	return true;
 }
 
-/* A copy of the relief as depth, with its 8-bit steps smoothed if asked for:
- * what is stored keeps its codes. */
+/*
+ * The relief as depth, with its 8-bit steps smoothed if asked for: what is
+ * stored keeps its codes. A copy only where the two differ.
+ */
 static bool
-copy_depth(struct pack *p, struct bake_image *depth)
+make_depth(struct pack *p)
 {
+	const bool smooth =
+	    p->o->dequantize && p->relief.info.data_format == BAKE_DATA_UINT8;
 	struct bake_err err = BAKE_ERR_INIT;
 
-	if (bake_image_alloc(depth, p->relief.img.width, p->relief.img.height,
-		1, &err) != BAKE_OK)
-		return failed(p, p->relief.path, &err);
-	bake_image_copy_channel(depth, 0, &p->relief.img, 0);
+	if (p->polarity == BAKE_POLARITY_HEIGHT &&
+	    p->o->target->polarity == BAKE_POLARITY_DEPTH) {
+		bake_relief_flip(&p->relief.img, 0);
+		p->polarity = BAKE_POLARITY_DEPTH;
+	}
+	p->depth = p->relief.img;
+	if (smooth || p->polarity == BAKE_POLARITY_HEIGHT) {
+		if (bake_image_alloc(&p->depth, p->relief.img.width,
+			p->relief.img.height, 1, &err) != BAKE_OK)
+			return failed(p, p->relief.path, &err);
+		bake_image_copy_channel(&p->depth, 0, &p->relief.img, 0);
+	}
 	if (p->polarity == BAKE_POLARITY_HEIGHT)
-		bake_relief_flip(depth, 0);
+		bake_relief_flip(&p->depth, 0);
 	/* an integrated depth has no info, and no steps */
 	return p->relief.info.width == 0 ||
-	       cmd_smooth_steps(p->cmd, &p->relief, depth, p->scale, p->wrap,
-		   p->o->dequantize);
+	       cmd_smooth_steps(p->cmd, &p->relief, &p->depth, p->scale,
+		   p->wrap, p->o->dequantize);
 }
 
-static enum bake_status
-bake_normals(
-    struct pack *p, const struct bake_image *depth, struct bake_err *err)
+static void
+free_depth(struct pack *p)
 {
-	enum bake_status rc = bake_normal_from_depth(depth, p->scale, p->wrap,
-	    p->o->slope, p->cmd->nthreads, &p->normal.img, err);
-
-	if (rc == BAKE_OK)
-		bake_normal_encode(&p->normal.img, false);
-	p->normal_y = BAKE_NORMAL_Y_UP;
-	p->has_normal = true;
-	return rc;
+	if (p->depth.data != p->relief.img.data)
+		bake_image_free(&p->depth);
+	p->depth = (struct bake_image)BAKE_IMAGE_INIT;
 }
 
-static enum bake_status
-bake_occlusion(
-    struct pack *p, const struct bake_image *depth, struct bake_err *err)
+static bool
+bake_occlusion(struct pack *p)
 {
+	struct bake_err err = BAKE_ERR_INIT;
 	struct bake_ao_params params = p->o->ao;
 	struct bake_ao_result res = { &p->ao.img, NULL, NULL };
 	struct cmd_progress bar;
@@ -256,27 +264,10 @@ bake_occlusion(
 	params.wrap = p->wrap;
 	params.nthreads = p->cmd->nthreads;
 	params.progress = cmd_progress_start(p->cmd, &bar);
-	rc = bake_ao(depth, &p->scale, 1, &params, &res, err);
+	rc = bake_ao(&p->depth, &p->scale, 1, &params, &res, &err);
 	cmd_progress_end(&bar);
 	p->has_ao = true;
-	return rc;
-}
-
-static bool
-derive_from_depth(struct pack *p, bool want_normal, bool want_ao)
-{
-	struct bake_image depth = BAKE_IMAGE_INIT;
-	struct bake_err err = BAKE_ERR_INIT;
-	bool ok = copy_depth(p, &depth);
-
-	if (ok && want_normal)
-		ok = bake_normals(p, &depth, &err) == BAKE_OK ||
-		     failed(p, p->relief.path, &err);
-	if (ok && want_ao)
-		ok = bake_occlusion(p, &depth, &err) == BAKE_OK ||
-		     failed(p, p->relief.path, &err);
-	bake_image_free(&depth);
-	return ok;
+	return rc == BAKE_OK || failed(p, p->relief.path, &err);
 }
 
 static bool
@@ -290,21 +281,6 @@ uses_source(const struct bake_target *target, enum bake_source source)
 }
 
 static bool
-fill_with_one(struct pack *p)
-{
-	struct bake_err err = BAKE_ERR_INIT;
-
-	if (bake_image_alloc(&p->ao.img, p->relief.img.width,
-		p->relief.img.height, 1, &err) != BAKE_OK)
-		return failed(p, p->relief.path, &err);
-	for (int y = 0; y < p->ao.img.height; y++)
-		for (int x = 0; x < p->ao.img.width; x++)
-			bake_image_row(&p->ao.img, y)[x] = 1.0f;
-	p->has_ao = true;
-	return true;
-}
-
-static bool
 derive_missing(struct pack *p)
 {
 	bool want_ao = !p->has_ao && !p->o->no_ao &&
@@ -314,20 +290,54 @@ derive_missing(struct pack *p)
 		return false;
 	if (p->scale == 0)
 		p->scale = default_scale;
-	if ((!p->has_normal || want_ao) &&
-	    !derive_from_depth(p, !p->has_normal, want_ao))
+	p->derives_normal = !p->has_normal;
+	if (p->derives_normal)
+		p->normal_y = BAKE_NORMAL_Y_UP;
+	if ((p->derives_normal || want_ao) && !make_depth(p))
 		return false;
-	return p->has_ao || fill_with_one(p);
+	return !want_ao || bake_occlusion(p);
 }
 
 /* -- writing -------------------------------------------------------------- */
 
+static void
+fill_with_one(struct bake_image *band)
+{
+	for (int y = 0; y < band->height; y++)
+		for (int x = 0; x < band->width; x++)
+			bake_image_row(band, y)[x] = 1.0f;
+}
+
+static enum bake_status
+get_band(
+    void *arg, int y, const struct cmd_target_band *band, struct bake_err *err)
+{
+	const struct pack *p = arg;
+	enum bake_status rc = BAKE_OK;
+
+	if (band->normal != NULL && p->derives_normal) {
+		rc = bake_normal_rows_from_depth(&p->depth, p->scale, p->wrap,
+		    p->o->slope, 1, y, band->normal, err);
+		if (rc == BAKE_OK)
+			bake_normal_encode(band->normal, false);
+	} else if (band->normal != NULL) {
+		cmd_target_copy(band->normal, &p->normal.img, y);
+	}
+	if (band->ao != NULL && p->has_ao)
+		cmd_target_copy(band->ao, &p->ao.img, y);
+	else if (band->ao != NULL)
+		fill_with_one(band->ao);
+	if (band->relief != NULL)
+		cmd_target_copy(band->relief, &p->relief.img, y);
+	return rc;
+}
+
 static bool
 write_all(struct pack *p, const char *out)
 {
-	struct cmd_target_maps maps = { &p->normal.img, &p->ao.img,
-		&p->relief.img, BAKE_RELIEF_META_INIT, p->deepest,
-		p->o->exr_names };
+	struct cmd_target_maps maps = { p->relief.img.width,
+		p->relief.img.height, get_band, p, BAKE_RELIEF_META_INIT,
+		p->deepest, p->o->exr_names };
 
 	maps.meta.polarity = p->polarity;
 	maps.meta.normal_y = p->normal_y;
@@ -349,6 +359,7 @@ pack_set(struct cmd *cmd, const struct pack_opts *o,
 
 	ok = read_maps(&p, in) && check_agreement(&p) && unify_sizes(&p) &&
 	     derive_missing(&p) && write_all(&p, out);
+	free_depth(&p);
 	cmd_map_free(&p.normal);
 	cmd_map_free(&p.relief);
 	cmd_map_free(&p.ao);

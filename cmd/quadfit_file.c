@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "cmd_mesh.h"
+#include "cmd_recipe.h"
 #include "output.h"
 #include "quadfit.h"
 #include "quadric_write.h"
@@ -104,19 +105,23 @@ static bool
 write_table(struct cmd *cmd, const struct quadfit_opts *o,
     const struct quadfit *q, const char *path, enum quadfit_type type)
 {
+	struct cmd_record record;
 	const struct bake_quadric_table table = { &q->mesh, &q->frames,
-		q->quadrics, &o->fit, o->frame };
+		q->quadrics, &o->fit, o->frame, record.text, record.list };
 	struct bake_output out = BAKE_OUTPUT_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
 	enum bake_status rc = bake_output_open(&out, path, &err);
 
+	(void)cmd_recipe_record(cmd, path, &record);
 	if (rc == BAKE_OK) {
 		rc = type == QUADFIT_TSV
 			 ? bake_quadric_write_tsv(out.stream, &table, &err)
 		     : type == QUADFIT_JSON
 			 ? bake_quadric_write_json(out.stream, &table, &err)
 			 : bake_quadric_write_ply(out.stream, &table, &err);
-		if (rc == BAKE_OK)
+		if (rc == BAKE_OK && type != QUADFIT_TSV)
+			rc = cmd_recipe_seal(&record, out.stream, &err);
+		if (rc == BAKE_OK && !cmd_same_bytes(cmd, out.stream, path))
 			rc = bake_output_commit(&out, &err);
 	}
 	bake_output_abort(&out);

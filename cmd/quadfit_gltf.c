@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_batch.h"
+#include "cmd_recipe.h"
 #include "mem.h"
 #include "output.h"
 #include "quadfit.h"
@@ -68,10 +70,19 @@ write_gltf(struct cmd *cmd, struct bake_gltf *gltf, const char *path, bool glb)
 {
 	struct bake_output out = BAKE_OUTPUT_INIT;
 	struct bake_err err = BAKE_ERR_INIT;
-	bool ok =
-	    bake_output_open(&out, path, &err) == BAKE_OK &&
-	    bake_gltf_write(gltf, out.stream, glb, path, &err) == BAKE_OK &&
-	    bake_output_commit(&out, &err) == BAKE_OK;
+	struct cmd_record record;
+	bool ok;
+
+	if (bake_gltf_has_outside(gltf, glb))
+		cmd_recipe_none(cmd);
+	(void)cmd_recipe_record(cmd, path, &record);
+	ok = bake_gltf_set_record(gltf, record.text, record.list, &err) ==
+		 BAKE_OK &&
+	     bake_output_open(&out, path, &err) == BAKE_OK &&
+	     bake_gltf_write(gltf, out.stream, glb, path, &err) == BAKE_OK &&
+	     cmd_recipe_seal(&record, out.stream, &err) == BAKE_OK &&
+	     (cmd_same_bytes(cmd, out.stream, path) ||
+		 bake_output_commit(&out, &err) == BAKE_OK);
 
 	bake_output_abort(&out);
 	if (ok)
@@ -270,16 +281,28 @@ read_local(struct cmd *cmd, const struct quadfit_opts *o, const char *path,
 	struct bake_err err = BAKE_ERR_INIT;
 	unsigned char *bytes = NULL;
 	size_t nbytes;
-	bool ok =
-	    bake_gltf_read(path, o->mesh.max_bytes, gltf, &err) == BAKE_OK &&
-	    bake_gltf_local(*gltf, &bytes, &nbytes, &err) == BAKE_OK &&
-	    bake_mesh_read_memory(bytes, nbytes, path, &o->mesh, mesh, &err) ==
-		BAKE_OK;
+	bool ok;
 
+	cmd_decode_begin(cmd, 0);
+	ok = bake_gltf_read(path, o->mesh.max_bytes, gltf, &err) == BAKE_OK &&
+	     bake_gltf_local(*gltf, &bytes, &nbytes, &err) == BAKE_OK &&
+	     bake_mesh_read_memory(bytes, nbytes, path, &o->mesh, mesh, &err) ==
+		 BAKE_OK;
+	cmd_decode_end(cmd);
 	free(bytes);
 	if (!ok)
 		cmd_error(cmd, "%s", err.msg);
 	return ok;
+}
+
+static void
+note_files(struct cmd *cmd, const struct bake_gltf *gltf)
+{
+	size_t n;
+	const char *const *files = bake_gltf_files(gltf, &n);
+
+	for (size_t i = 0; i < n; i++)
+		cmd_list_add(&cmd->read, files[i]);
 }
 
 bool
@@ -289,8 +312,6 @@ quadfit_gltf(struct cmd *cmd, const struct quadfit_opts *o, const char *path,
 	struct bake_mesh all = BAKE_MESH_INIT;
 	struct bake_gltf *gltf = NULL;
 	bool ok = read_local(cmd, o, path, &gltf, &all);
-	const char *const *files;
-	size_t nfiles;
 
 	for (size_t part = 0; ok && part < all.nparts;) {
 		struct run r = find_run(&all, part);
@@ -298,12 +319,11 @@ quadfit_gltf(struct cmd *cmd, const struct quadfit_opts *o, const char *path,
 		ok = fit_run(cmd, o, path, gltf, &all, &r);
 		part += r.nparts;
 	}
+	if (ok)
+		note_files(cmd, gltf);
 	ok = ok && write_gltf(cmd, gltf, out, glb);
-	if (ok) {
-		files = bake_gltf_files(gltf, &nfiles);
-		for (size_t i = 0; i < nfiles; i++)
-			cmd_list_add(&cmd->read, files[i]);
-	}
+	if (ok) /* and what was read for writing */
+		note_files(cmd, gltf);
 	bake_mesh_free(&all);
 	bake_gltf_free(gltf);
 	return ok;

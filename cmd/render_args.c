@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_recipe.h"
 #include "render_tool.h"
 
 enum {
@@ -59,7 +60,7 @@ const struct cmd_option render_options[] = {
 	{ KEY_AMBIENT, "ambient", "A", "light from everywhere (default 0.3)" },
 	{ KEY_AO, "ao", "on|off", "the relief's occlusion (on)" },
 	{ KEY_AO_BLEND, "ao-blend", "NAME",
-	    "of layers: multiply (default) or min" },
+	    "of layers: {multiply} (default) or {min}" },
 	{ KEY_BACKGROUND, "background", "R,G,B[,A]",
 	    "scene-linear (default 0.02,0.02,0.02)" },
 	{ KEY_BASE_COLOR, "base-color", "R,G,B",
@@ -98,21 +99,21 @@ const struct cmd_option render_options[] = {
 	{ KEY_LIGHT_SIZE, "light-size", "DEG",
 	    "radius of the light, for --horizons (default 5)" },
 	{ KEY_MODEL, "model", "NAME",
-	    "of --roughen: paper, facet (default), blackshot or flat" },
+	    "of --roughen: {paper}, {facet} (default), {blackshot} or {flat}" },
 	{ KEY_MULTILAYER, "multilayer", "PREFIX",
 	    "on the object: what rm-multilayer wrote" },
 	{ KEY_NORMAL_BLEND, "normal-blend", "NAME",
-	    "of layers: pd (default) or seed" },
+	    "of layers: {pd} (default) or {seed}" },
 	{ KEY_NORMAL_WEIGHT, "normal-weight", "W",
 	    "of the next layer's normals" },
 	{ KEY_OFFSET, "offset", "U,V", "of the next layer, in repeats" },
 	{ KEY_ORTHOGRAPHIC, "orthographic", "H",
 	    "no perspective; the picture is H mesh units high" },
 	{ KEY_PAINT, "paint", "NAME",
-	    "the quadrics' a, b or mean-curvature on the mesh" },
+	    "the quadrics' {a}, {b} or {mean-curvature} on the mesh" },
 	{ KEY_POINT_LIGHT, "point-light", "X,Y,Z", "a light at that place" },
 	{ KEY_QUADRIC, "quadric", "NAME",
-	    "auto (default: computed), none, or rm-quadfit's table" },
+	    "{auto} (default: computed), {none}, or a {FILE} of rm-quadfit" },
 	{ KEY_RELIEF, "relief", "FILE",
 	    "a packed texture; more than one are blended" },
 	{ KEY_REPEAT, "repeat", "F[xF]",
@@ -121,18 +122,19 @@ const struct cmd_option render_options[] = {
 	    "the object, degrees about these axes in turn" },
 	{ KEY_ROUGHEN, "roughen", "S",
 	    "2.5D texture mapping of its colour, strength S" },
-	{ KEY_SAMPLES, "samples", "N", "a pixel: 1 (default), 4 or 16" },
+	{ KEY_SAMPLES, "samples", "N", "a pixel: {1} (default), {4} or {16}" },
 	{ KEY_SCALE, "scale", "K", "the object" },
 	{ KEY_SEARCH, "search", "NAME",
-	    "exact, texel or L,B: linear and binary steps (default 32,6)" },
+	    "{exact}, {texel} or L,B: linear and binary steps (default 32,6)" },
 	{ KEY_SHADOW, "shadow", NULL, "the relief's shadows on itself" },
 	{ KEY_SHAPE, "shape", "NAME",
-	    "plane (default), cube, sphere, cylinder, torus, teapot or a mesh "
-	    "file; begins an object" },
+	    "{plane} (default), {cube}, {sphere}, {cylinder}, {torus}, "
+	    "{teapot} "
+	    "or a {MESH}; begins an object" },
 	{ KEY_SHININESS, "shininess", "N",
 	    "the highlight's exponent (default 40)" },
 	{ KEY_SILHOUETTE, "silhouette", "NAME",
-	    "none (default), quadric or shell" },
+	    "{none} (default), {quadric} or {shell}" },
 	{ KEY_SIZE, "size", "WxH", "of the picture (default 640x480)" },
 	{ KEY_SPECULAR, "specular", "K", "the highlight (default 0.1)" },
 	{ KEY_TARGET, "target", "X,Y,Z",
@@ -144,6 +146,21 @@ const struct cmd_option render_options[] = {
 	{ KEY_TWO_SIDED, "two-sided", NULL, "backs of the object are seen" },
 	{ 'w', "weight", "W", "of the next layer" },
 	{ 0, NULL, NULL, NULL },
+};
+
+const struct cmd_mark render_marks[] = {
+	{ "buffers", CMD_ARG_NEUTRAL, NULL },
+	{ "color", CMD_ARG_INPUT, NULL },
+	{ "compare", CMD_ARG_REPORT | CMD_ARG_NEUTRAL, NULL },
+	{ "difference", CMD_ARG_NEUTRAL, NULL },
+	{ "ground", CMD_ARG_INPUT, NULL },
+	{ "horizons", CMD_ARG_INPUT, NULL },
+	{ "impostor", CMD_ARG_PREFIX, NULL },
+	{ "multilayer", CMD_ARG_PREFIX, NULL },
+	{ "quadric", CMD_ARG_INPUT, " auto none " },
+	{ "relief", CMD_ARG_INPUT, NULL },
+	{ "shape", CMD_ARG_INPUT, " plane cube sphere cylinder torus teapot " },
+	{ NULL, 0, NULL },
 };
 
 static struct render_object_opts *

@@ -92,6 +92,7 @@ struct render_scene {
 };
 
 extern const struct cmd_option render_options[];
+extern const struct cmd_mark render_marks[];
 bool render_set_option(struct cmd *cmd, int key, const char *arg);
 /* All is whole and goes together; otherwise a usage error. */
 bool render_usage(struct cmd *cmd, struct render_opts *o);

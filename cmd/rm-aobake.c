@@ -5,7 +5,9 @@
 
 #include "ao.h"
 #include "cmd.h"
+#include "cmd_batch.h"
 #include "cmd_image.h"
+#include "cmd_recipe.h"
 
 enum {
 	KEY_BENT = CMD_KEY_TOOL,
@@ -27,9 +29,9 @@ static const struct cmd_option options[] = {
 	{ KEY_BLUR, "blur", "SIGMA",
 	    "low-pass of occluded texels, in texels (default 1)" },
 	{ KEY_BLUR_MODE, "blur-mode", "MODE",
-	    "paper (default), or occluded: light does not leak into pits" },
+	    "{paper} (default), or {occluded}: light does not leak into pits" },
 	{ KEY_CHANNEL, "channel", "NAME",
-	    "the relief's channel: R, G, B, A, its name or number" },
+	    "the relief's channel: {R}, {G}, {B}, {A}, its name or number" },
 	{ 's', "depth-scale", "S[,S...]",
 	    "depth range / texture width (default 0.1 or the file's)" },
 	{ KEY_DEQUANTIZE, "dequantize", NULL,
@@ -37,7 +39,7 @@ static const struct cmd_option options[] = {
 	{ 'n', "directions", "N",
 	    "horizon directions, 3 to 1024 (default 50)" },
 	{ KEY_ESTIMATOR, "estimator", "NAME",
-	    "polygon (default, the paper's) or mean" },
+	    "{polygon} (default, the paper's) or {mean}" },
 	{ KEY_HORIZONS, "horizons", "FILE",
 	    "also write tan of the horizon angles, an EXR channel each" },
 	{ KEY_IN_PLACE, "in-place-channel", "NAME",
@@ -46,9 +48,16 @@ static const struct cmd_option options[] = {
 	{ KEY_NO_BLUR, "no-blur", NULL, "no low-pass" },
 	{ KEY_PERIODS, "periods", "N",
 	    "reach in periods of the texture, 1 to 64 (default 1)" },
-	{ KEY_QUALITY, "quality", "NAME", "exact (default), fast or preview" },
+	{ KEY_QUALITY, "quality", "NAME",
+	    "{exact} (default), {fast} or {preview}" },
 	{ 'r', "radius", "R", "reach in texture widths (default: --periods)" },
 	{ 0, NULL, NULL, NULL },
+};
+
+static const struct cmd_mark marks[] = {
+	{ "bent-normal", CMD_ARG_NEUTRAL, NULL },
+	{ "horizons", CMD_ARG_NEUTRAL, NULL },
+	{ NULL, 0, NULL },
 };
 
 enum { MAX_SCALES = 16 };
@@ -144,6 +153,45 @@ add_scale_suffix(char **path, double scale, int nscales)
 	with = cmd_path_derive(*path, NULL, suffix, NULL);
 	free(*path);
 	*path = with;
+}
+
+/* In place means over the input. */
+static char *
+output_path(const struct cmd *cmd, const char *in)
+{
+	return cmd->output == NULL && cmd->output_dir == NULL
+		   ? cmd_path_derive(in, NULL, "", NULL)
+		   : cmd_output_path(cmd, in, "");
+}
+
+static void
+plan_output(
+    struct cmd *cmd, const struct opts *o, char *path, const char *what, int k)
+{
+	char label[64];
+
+	add_scale_suffix(&path, o->scale[k], o->nscales);
+	snprintf(label, sizeof label, "%s %.9g", what,
+	    o->nscales > 1 ? o->scale[k] : 0);
+	cmd_recipe_output(cmd, path, label);
+	free(path);
+}
+
+/* Say what will be written: one of each where the file tells the scale. */
+static void
+plan_outputs(struct cmd *cmd, const struct opts *o, const char *in)
+{
+	for (int k = 0; k == 0 || k < o->nscales; k++) {
+		plan_output(cmd, o, output_path(cmd, in), "ao", k);
+		if (o->bent != NULL)
+			plan_output(cmd, o,
+			    cmd_path_derive(o->bent, NULL, "", NULL), "bent",
+			    k);
+		if (o->horizons != NULL)
+			plan_output(cmd, o,
+			    cmd_path_derive(o->horizons, NULL, "", NULL),
+			    "horizons", k);
+	}
 }
 
 static bool
@@ -242,9 +290,7 @@ write_results(struct cmd *cmd, const struct opts *o, const char *in,
 	meta.has_wrap = true;
 	meta.wrap = wrap;
 	for (int k = 0; ok && k < o->nscales; k++) {
-		char *path = cmd->output == NULL && cmd->output_dir == NULL
-				 ? cmd_path_derive(in, NULL, "", NULL)
-				 : cmd_output_path(cmd, in, "");
+		char *path = output_path(cmd, in);
 
 		add_scale_suffix(&path, o->scale[k], o->nscales);
 		meta.depth_scale = o->scale[k];
@@ -321,9 +367,22 @@ bake_file(struct cmd *cmd, const struct opts *given, const char *in)
 }
 
 static int
-run(struct cmd *cmd, const struct opts *o)
+bake_operand(struct cmd *cmd, int i, void *opts)
 {
-	int status = CMD_EXIT_OK;
+	cmd_recipe_begin(cmd, i);
+	plan_outputs(cmd, opts, cmd->operands.item[i]);
+	/* in place of its input a record would make each run's bytes new */
+	if (cmd->output == NULL && cmd->output_dir == NULL)
+		cmd_recipe_none(cmd);
+	if (cmd_unchanged(cmd))
+		return CMD_EXIT_OK;
+	return bake_file(cmd, opts, cmd->operands.item[i]) ? CMD_EXIT_OK
+							   : CMD_EXIT_FAIL;
+}
+
+static int
+run(struct cmd *cmd, struct opts *o)
+{
 	int n = cmd->operands.n;
 
 	/* in place means over the input where no output is given */
@@ -346,10 +405,7 @@ run(struct cmd *cmd, const struct opts *o)
 	}
 	if (!cmd_outputs_differ(cmd, &cmd->operands))
 		return CMD_EXIT_USAGE;
-	for (int i = 0; i < n; i++)
-		if (!bake_file(cmd, o, cmd->operands.item[i]))
-			status = CMD_EXIT_FAIL;
-	return status;
+	return cmd_batch(cmd, &cmd->operands, bake_operand, o);
 }
 
 int
@@ -359,8 +415,9 @@ main(int argc, char *argv[])
 	struct cmd_tool tool = { "rm-aobake", "IN ... -o OUT",
 		"Bake ambient occlusion from depth maps or packed textures.",
 		options,
-		CMD_OPTS_OUTPUT | CMD_OPTS_RELIEF | CMD_OPTS_OUTPUT_NORMAL,
-		set_option, &o };
+		CMD_OPTS_OUTPUT | CMD_OPTS_RELIEF | CMD_OPTS_OUTPUT_NORMAL |
+		    CMD_OPTS_TILES,
+		set_option, &o, main, 28, marks };
 	struct cmd cmd;
 	int status;
 

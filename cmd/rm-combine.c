@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_batch.h"
+#include "cmd_recipe.h"
 #include "cmd_target.h"
 #include "combine_tool.h"
 
@@ -216,7 +218,7 @@ add_layer(struct job *job, int i)
 }
 
 static bool
-blend_layers(struct job *job, struct bake_combined *maps)
+blend_layers(struct job *job)
 {
 	struct bake_err err = BAKE_ERR_INIT;
 	bool ok = true;
@@ -229,7 +231,7 @@ blend_layers(struct job *job, struct bake_combined *maps)
 		cmd_warn(job->cmd,
 		    "%s: has no room for the keep scales of %d layers",
 		    job->cmd->output, job->o->n);
-	return bake_combine_finish(job->blend, maps, &err) == BAKE_OK ||
+	return bake_combine_settle(job->blend, &err) == BAKE_OK ||
 	       failed(job, job->cmd->output, &err);
 }
 
@@ -277,11 +279,21 @@ write_color(struct job *job)
 /* -- the run ------------------------------------------------------------------
  */
 
-static bool
-write_all(struct job *job, struct bake_combined *maps)
+static enum bake_status
+get_band(
+    void *arg, int y, const struct cmd_target_band *band, struct bake_err *err)
 {
-	struct cmd_target_maps out = { &maps->normal, &maps->ao, &maps->depth,
-		job->meta, job->deepest, job->o->exr_names };
+	const struct job *job = arg;
+
+	return bake_combine_get(
+	    job->blend, y, band->normal, band->ao, band->relief, err);
+}
+
+static bool
+write_all(struct job *job)
+{
+	struct cmd_target_maps out = { job->params.width, job->params.height,
+		get_band, job, job->meta, job->deepest, job->o->exr_names };
 
 	out.meta.polarity = BAKE_POLARITY_DEPTH;
 	out.meta.normal_y = BAKE_NORMAL_Y_UP;
@@ -294,29 +306,42 @@ write_all(struct job *job, struct bake_combined *maps)
 }
 
 static int
-run(struct cmd *cmd, struct combine_opts *o)
+combine(struct cmd *cmd, int i, void *opts)
 {
+	struct combine_opts *o = opts;
 	struct job job = { .cmd = cmd,
 		.o = o,
 		.params = BAKE_COMBINE_PARAMS_DEFAULT,
 		.meta = BAKE_RELIEF_META_INIT };
-	struct bake_combined maps = BAKE_COMBINED_INIT;
 	bool ok;
 
+	(void)i;
+	cmd_recipe_begin(cmd, -1);
+	cmd_target_plan(cmd, o->target, cmd->output);
+	cmd_recipe_output(cmd, o->color_out, "color");
+	if (o->color_out != NULL)
+		cmd_recipe_color(cmd);
+	if (cmd_unchanged(cmd))
+		return CMD_EXIT_OK;
+	ok = open_color(&job) && blend_layers(&job);
+	if (ok && job.color != NULL)
+		ok = combine_colors(cmd, o, job.color, &job.params,
+		    &job.color_map, &job.color_deepest);
+	ok = ok && write_all(&job);
+	bake_combine_close(job.blend);
+	bake_image_free(&job.color_map);
+	bake_color_close(job.color);
+	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+}
+
+static int
+run(struct cmd *cmd, struct combine_opts *o)
+{
 	if (o->list_targets)
 		return cmd_print_targets();
 	if (!combine_args_are_clear(cmd, o))
 		return CMD_EXIT_USAGE;
-	ok = open_color(&job) && blend_layers(&job, &maps);
-	bake_combine_close(job.blend);
-	if (ok && job.color != NULL)
-		ok = combine_colors(cmd, o, job.color, &job.params,
-		    &job.color_map, &job.color_deepest);
-	ok = ok && write_all(&job, &maps);
-	bake_combined_free(&maps);
-	bake_image_free(&job.color_map);
-	bake_color_close(job.color);
-	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+	return cmd_one(cmd, combine, o);
 }
 
 int
@@ -328,8 +353,8 @@ main(int argc, char *argv[])
 		"Blend layers of relief into one meta-relief texture.",
 		combine_options,
 		CMD_OPTS_OUTPUT | CMD_OPTS_RELIEF | CMD_OPTS_NORMAL |
-		    CMD_OPTS_OUTPUT_NORMAL | CMD_IN_ORDER,
-		combine_set, &o };
+		    CMD_OPTS_OUTPUT_NORMAL | CMD_OPTS_TILES | CMD_IN_ORDER,
+		combine_set, &o, main, 60, combine_marks };
 	struct cmd cmd;
 	int status;
 

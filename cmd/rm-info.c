@@ -1,5 +1,6 @@
 /* rm-info: what textures are, whether their maps agree, how far two differ. */
 /* SPDX-License-Identifier: MIT */
+#include "cmd_batch.h"
 #include "info.h"
 
 #include "io_exr.h"
@@ -17,7 +18,7 @@ enum {
 
 static const struct cmd_option options[] = {
 	{ KEY_CHANNEL, "channel", "NAME",
-	    "the relief's channel: R, G, B, A, its name or number" },
+	    "the relief's channel: {R}, {G}, {B}, {A}, its name or number" },
 	{ KEY_CHECK, "check", NULL,
 	    "print what contradicts and nothing else; then exit 1" },
 	{ KEY_COMPARE, "compare", NULL,
@@ -108,9 +109,9 @@ static bool
 info_parts(struct cmd *cmd, const struct info_opts *o, const char *path,
     struct bake_exr *exr)
 {
-	bool ok = true;
+	bool ok = exr != NULL;
 
-	for (int i = 0; i < bake_exr_nparts(exr); i++) {
+	for (int i = 0; exr != NULL && i < bake_exr_nparts(exr); i++) {
 		struct info_report r = INFO_REPORT_INIT;
 
 		r.file = path;
@@ -123,25 +124,37 @@ info_parts(struct cmd *cmd, const struct info_opts *o, const char *path,
 	return ok;
 }
 
-/* Every file is looked at, whatever the others are; what is said of one comes
- * before what is said of the next, on either stream. */
-static bool
-info_files(struct cmd *cmd, const struct info_opts *o)
+/* What is said of one file comes before what is said of the next, on either
+ * stream. */
+static int
+info_operand(struct cmd *cmd, int i, void *opts)
 {
-	bool ok = true;
+	const struct info_opts *o = opts;
+	const char *path = cmd->operands.item[i];
+	struct bake_exr *exr;
+	bool ok = info_exr_open(cmd, path, &exr) ? info_parts(cmd, o, path, exr)
+						 : info_file(cmd, o, path);
 
-	for (int i = 0; i < cmd->operands.n; i++) {
-		const char *path = cmd->operands.item[i];
-		struct bake_exr *exr;
+	fflush(stdout); /* cmd_finish sees a failure */
+	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+}
 
-		if (!(info_exr_open(cmd, path, &exr)
-			    ? info_parts(cmd, o, path, exr)
-			    : info_file(cmd, o, path)))
-			ok = false;
-		fflush(stdout); /* cmd_finish sees a failure */
-		cmd_flush_warnings(cmd);
-	}
-	return ok;
+/* What is said of several files together. */
+static int
+info_together(struct cmd *cmd, int i, void *opts)
+{
+	const struct info_opts *o = opts;
+	bool ok;
+
+	(void)i;
+	if (o->normal != NULL)
+		ok = info_file(cmd, o, o->depth);
+	else if (o->compare)
+		ok = info_compare(
+		    cmd, o, (const char *const *)cmd->operands.item);
+	else
+		ok = info_sheet(cmd, o);
+	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
 }
 
 static bool
@@ -164,22 +177,13 @@ usage_is_right(const struct cmd *cmd, const struct info_opts *o)
 }
 
 static int
-run(struct cmd *cmd, const struct info_opts *o)
+run(struct cmd *cmd, struct info_opts *o)
 {
-	bool ok;
-
 	if (!usage_is_right(cmd, o))
 		return CMD_EXIT_USAGE;
-	if (o->normal != NULL)
-		ok = info_file(cmd, o, o->depth);
-	else if (o->compare)
-		ok = info_compare(
-		    cmd, o, (const char *const *)cmd->operands.item);
-	else if (o->sheet != NULL)
-		ok = info_sheet(cmd, o);
-	else
-		ok = info_files(cmd, o);
-	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+	if (o->normal != NULL || o->compare || o->sheet != NULL)
+		return cmd_one(cmd, info_together, o);
+	return cmd_batch(cmd, &cmd->operands, info_operand, o);
 }
 
 int
@@ -188,7 +192,8 @@ main(int argc, char *argv[])
 	struct info_opts o = { .tolerance = 0 };
 	struct cmd_tool tool = { "rm-info", "FILE ...",
 		"Tell what textures are and whether their maps agree.", options,
-		CMD_OPTS_RELIEF | CMD_OPTS_NORMAL, set_option, &o };
+		CMD_OPTS_RELIEF | CMD_OPTS_NORMAL, set_option, &o, main, 60,
+		NULL };
 	struct cmd cmd;
 	int status;
 

@@ -3,7 +3,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_batch.h"
+#include "cmd_recipe.h"
+#include "cmd_signal.h"
 #include "multilayer_tool.h"
+
+static char *
+copy_path(const char *path)
+{
+	char *copy = strdup(path);
+
+	if (copy == NULL)
+		cmd_die("no memory");
+	return copy;
+}
 
 /* What the names of an input's outputs begin with; NULL: nothing is written.
  * To be freed. */
@@ -12,45 +25,69 @@ prefix_of(const struct cmd *cmd, const char *input, const void *arg)
 {
 	(void)arg;
 	if (cmd->output != NULL)
-		return strdup(cmd->output);
+		return copy_path(cmd->output);
 	if (cmd->output_dir == NULL)
 		return NULL;
 	return cmd_path_derive(input, cmd->output_dir, "", "");
 }
 
+struct job {
+	const struct multilayer_opts *o;
+	struct bake_color *color;
+};
+
+static int
+bake_mesh(struct cmd *cmd, int i, void *arg)
+{
+	const struct job *job = arg;
+	const char *in = cmd->operands.item[i];
+	char *prefix = prefix_of(cmd, in, NULL);
+	bool ok;
+
+	cmd_recipe_begin(cmd, i);
+	ok = multilayer_unchanged(cmd, job->o, prefix) ||
+	     multilayer_mesh(cmd, job->o, job->color, in, prefix);
+	free(prefix);
+	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+}
+
+/* --from-depth */
+static int
+bake_height_field(struct cmd *cmd, int i, void *arg)
+{
+	const struct job *job = arg;
+	char *prefix = prefix_of(cmd, job->o->from_depth, NULL);
+	bool ok;
+
+	(void)i;
+	cmd_recipe_begin(cmd, -1);
+	ok = multilayer_unchanged(cmd, job->o, prefix) ||
+	     multilayer_height_field(cmd, job->o, job->color, prefix);
+	free(prefix);
+	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+}
+
 static int
 run(struct cmd *cmd, const struct multilayer_opts *o)
 {
-	struct bake_color *color = NULL;
+	struct job job = { o, NULL };
 	struct bake_err err = BAKE_ERR_INIT;
-	int status = CMD_EXIT_OK;
+	int status;
 
 	if (!multilayer_usage(cmd, o) ||
 	    !cmd_paths_differ(cmd, &cmd->operands, prefix_of, NULL))
 		return CMD_EXIT_USAGE;
 	cmd_silence_libraries(cmd);
-	if (bake_color_open(NULL, &color, &err) != BAKE_OK) {
+	if (bake_color_open(NULL, &job.color, &err) != BAKE_OK) {
 		cmd_error(cmd, "%s", err.msg);
 		return CMD_EXIT_FAIL;
 	}
-	if (bake_color_path(color) != NULL)
-		cmd_list_add(&cmd->read, bake_color_path(color));
-	if (o->from_depth != NULL) {
-		char *prefix = prefix_of(cmd, o->from_depth, NULL);
-
-		if (!multilayer_height_field(cmd, o, color, prefix))
-			status = CMD_EXIT_FAIL;
-		free(prefix);
-	}
-	for (int i = 0; i < cmd->operands.n; i++) {
-		char *prefix = prefix_of(cmd, cmd->operands.item[i], NULL);
-
-		if (!multilayer_mesh(
-			cmd, o, color, cmd->operands.item[i], prefix))
-			status = CMD_EXIT_FAIL;
-		free(prefix);
-	}
-	bake_color_close(color);
+	if (bake_color_path(job.color) != NULL)
+		cmd_list_add(&cmd->read, bake_color_path(job.color));
+	status = o->from_depth != NULL
+		     ? cmd_one(cmd, bake_height_field, &job)
+		     : cmd_batch(cmd, &cmd->operands, bake_mesh, &job);
+	bake_color_close(job.color);
 	return status;
 }
 
@@ -71,7 +108,7 @@ main(int argc, char *argv[])
 		multilayer_options,
 		CMD_OPTS_OUTPUT | CMD_OPTS_RELIEF | CMD_OPTS_OUTPUT_NORMAL |
 		    CMD_IN_ORDER | CMD_OUTPUT_PREFIX,
-		multilayer_set_option, &o };
+		multilayer_set_option, &o, main, 24, multilayer_marks };
 	struct cmd cmd;
 	int status;
 

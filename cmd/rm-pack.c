@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_batch.h"
+#include "cmd_recipe.h"
 #include "cmd_target.h"
 #include "pack.h"
 
@@ -30,7 +32,7 @@ enum {
 };
 
 static const struct cmd_option options[] = {
-	{ KEY_AO, "ao", "FILE", "AO map; none writes 1; default: baked" },
+	{ KEY_AO, "ao", "FILE", "AO map; {none} writes 1; default: baked" },
 	{ KEY_AO_CHANNEL, "ao-channel", "NAME",
 	    "the AO's channel (default: the first)" },
 	{ KEY_AO_OUT, "ao-out", "FILE", "with --unpack: write the AO" },
@@ -39,7 +41,7 @@ static const struct cmd_option options[] = {
 	{ KEY_DEPTH, "depth", "FILE",
 	    "depth map; default: integrated from the normals" },
 	{ KEY_DEPTH_CHANNEL, "depth-channel", "NAME",
-	    "the relief's channel: R, G, B, A, its name or number" },
+	    "the relief's channel: {R}, {G}, {B}, {A}, its name or number" },
 	{ KEY_DEPTH_OUT, "depth-out", "FILE",
 	    "with --unpack: write the depth" },
 	{ 's', "depth-scale", "S",
@@ -59,16 +61,29 @@ static const struct cmd_option options[] = {
 	{ KEY_OUTPUT_HEIGHT, "output-height", NULL,
 	    "with --unpack: write height, white is high, not depth" },
 	{ KEY_QUALITY, "quality", "NAME",
-	    "of a baked AO: exact (default), fast or preview" },
+	    "of a baked AO: {exact} (default), {fast} or {preview}" },
 	{ KEY_RENORMALIZE, "renormalize", NULL,
 	    "bring normals to unit length (codes change)" },
 	{ KEY_SIZE, "size", "WxH", "output size (default: the depth's)" },
 	{ KEY_SLOPE, "slope", "NAME",
-	    "central (default) or scharr: how depth and normals relate" },
+	    "{central} (default) or {scharr}: how depth and normals relate" },
 	{ KEY_TARGET, "target", "NAME",
 	    "what a renderer reads (default relief); see --list-targets" },
 	{ KEY_UNPACK, "unpack", "FILE", "take a packed texture apart" },
 	{ 0, NULL, NULL, NULL },
+};
+
+static const struct cmd_mark marks[] = {
+	{ "ao", CMD_ARG_EACH, " none " },
+	{ "ao-out", CMD_ARG_NEUTRAL, NULL },
+	{ "depth", CMD_ARG_EACH, NULL },
+	{ "depth-out", CMD_ARG_NEUTRAL, NULL },
+	{ "list-targets", CMD_ARG_REPORT, NULL },
+	{ "no-check", CMD_ARG_NEUTRAL, NULL },
+	{ "normal", CMD_ARG_EACH, NULL },
+	{ "normal-out", CMD_ARG_NEUTRAL, NULL },
+	{ "unpack", CMD_ARG_EACH, NULL },
+	{ NULL, 0, NULL },
 };
 
 struct opts {
@@ -199,28 +214,41 @@ sets_are_clear(const struct cmd *cmd, const struct opts *o, int n)
 	return cmd_inputs_fit(cmd, n);
 }
 
-static int
-pack_all(struct cmd *cmd, const struct opts *o)
+/* The maps that the sets are named after. */
+static const struct cmd_list *
+named_maps(const struct opts *o)
 {
-	const struct cmd_list *named =
-	    o->depths.n > 0 ? &o->depths : &o->normals;
-	int status = CMD_EXIT_OK, n = named->n;
+	return o->depths.n > 0 ? &o->depths : &o->normals;
+}
 
-	if (!sets_are_clear(cmd, o, n) || !cmd_outputs_differ(cmd, named))
+static int
+pack_ith(struct cmd *cmd, int i, void *opts)
+{
+	const struct opts *o = opts;
+	struct pack_inputs in = {
+		o->normals.n > 0 ? o->normals.item[i] : NULL,
+		o->depths.n > 0 ? o->depths.item[i] : NULL,
+		o->aos.n > 0 ? o->aos.item[i] : NULL,
+	};
+	char *out = cmd_output_path(cmd, named_maps(o)->item[i], "");
+	bool ok;
+
+	cmd_recipe_begin(cmd, i);
+	cmd_target_plan(cmd, o->pack.target, out);
+	ok = cmd_unchanged(cmd) || pack_set(cmd, &o->pack, &in, out);
+	free(out);
+	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+}
+
+static int
+pack_all(struct cmd *cmd, struct opts *o)
+{
+	const struct cmd_list *named = named_maps(o);
+
+	if (!sets_are_clear(cmd, o, named->n) ||
+	    !cmd_outputs_differ(cmd, named))
 		return CMD_EXIT_USAGE;
-	for (int i = 0; i < n; i++) {
-		struct pack_inputs in = {
-			o->normals.n > 0 ? o->normals.item[i] : NULL,
-			o->depths.n > 0 ? o->depths.item[i] : NULL,
-			o->aos.n > 0 ? o->aos.item[i] : NULL,
-		};
-		char *out = cmd_output_path(cmd, named->item[i], "");
-
-		if (!pack_set(cmd, &o->pack, &in, out))
-			status = CMD_EXIT_FAIL;
-		free(out);
-	}
-	return status;
+	return cmd_batch(cmd, named, pack_ith, o);
 }
 
 /* -- unpacking ------------------------------------------------------------ */
@@ -253,30 +281,35 @@ unpack_is_clear(const struct cmd *cmd, const struct opts *o)
 }
 
 static int
-unpack_all(struct cmd *cmd, const struct opts *o)
+unpack_ith(struct cmd *cmd, int i, void *opts)
 {
-	int status = CMD_EXIT_OK;
+	const struct opts *o = opts;
+	const char *in = o->unpacks.item[i];
+	char *made[3] = { NULL, NULL, NULL };
+	struct unpack_outputs out = o->out;
+	bool ok;
 
+	if (cmd->output_dir != NULL) {
+		out.normal = made[0] = cmd_output_path(cmd, in, "_normal");
+		out.ao = made[1] = cmd_output_path(cmd, in, "_ao");
+		out.depth = made[2] = cmd_output_path(cmd, in, "_depth");
+	}
+	cmd_recipe_begin(cmd, i);
+	cmd_recipe_output(cmd, out.normal, "normal");
+	cmd_recipe_output(cmd, out.ao, "ao");
+	cmd_recipe_output(cmd, out.depth, "depth");
+	ok = cmd_unchanged(cmd) || unpack_file(cmd, in, &out);
+	for (int k = 0; k < 3; k++)
+		free(made[k]);
+	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+}
+
+static int
+unpack_all(struct cmd *cmd, struct opts *o)
+{
 	if (!unpack_is_clear(cmd, o) || !cmd_outputs_differ(cmd, &o->unpacks))
 		return CMD_EXIT_USAGE;
-	for (int i = 0; i < o->unpacks.n; i++) {
-		const char *in = o->unpacks.item[i];
-		char *made[3] = { NULL, NULL, NULL };
-		struct unpack_outputs out = o->out;
-
-		if (cmd->output_dir != NULL) {
-			out.normal = made[0] =
-			    cmd_output_path(cmd, in, "_normal");
-			out.ao = made[1] = cmd_output_path(cmd, in, "_ao");
-			out.depth = made[2] =
-			    cmd_output_path(cmd, in, "_depth");
-		}
-		if (!unpack_file(cmd, in, &out))
-			status = CMD_EXIT_FAIL;
-		for (int k = 0; k < 3; k++)
-			free(made[k]);
-	}
-	return status;
+	return cmd_batch(cmd, &o->unpacks, unpack_ith, o);
 }
 
 int
@@ -292,8 +325,8 @@ main(int argc, char *argv[])
 		"it.",
 		options,
 		CMD_OPTS_OUTPUT | CMD_OPTS_RELIEF | CMD_OPTS_NORMAL |
-		    CMD_OPTS_OUTPUT_NORMAL,
-		set_option, &o };
+		    CMD_OPTS_OUTPUT_NORMAL | CMD_OPTS_TILES,
+		set_option, &o, main, 48, marks };
 	struct cmd cmd;
 	int status;
 

@@ -4,6 +4,9 @@
 #include <string.h>
 #include <strings.h>
 
+#include "cmd_batch.h"
+#include "cmd_recipe.h"
+#include "cmd_signal.h"
 #include "quadfit.h"
 
 enum {
@@ -28,26 +31,32 @@ static const struct cmd_option options[] = {
 	{ 'M', "depfile", "FILE",
 	    "write a Make rule: the outputs and all that was read" },
 	{ KEY_FORMAT, "format", "TYPE",
-	    "tsv, json, ply, glb or gltf; default: by the output's name" },
+	    "{tsv}, {json}, {ply}, {glb} or {gltf}; default: by the output's "
+	    "name" },
 	{ KEY_FRAME, "frame", "NAME",
-	    "tangents: uv (default), file, or auto: any without UVs" },
-	{ KEY_MODEL, "model", "NAME", "full (default) or ab, the papers'" },
+	    "tangents: {uv} (default), {file}, or {auto}: any without UVs" },
+	{ KEY_MODEL, "model", "NAME", "{full} (default) or {ab}, the papers'" },
 	{ KEY_NORMALS, "normals", "NAME",
-	    "auto (default: the file's, else computed), file, computed" },
-	{ KEY_ORDER, "order", "N", "2 (default), or 3: with cubic terms" },
+	    "{auto} (default: the file's, else computed), {file}, {computed}" },
+	{ KEY_ORDER, "order", "N", "{2} (default), or {3}: with cubic terms" },
 	{ 'o', "output", "FILE", "output; - is standard output" },
 	{ 'O', "output-dir", "DIR",
 	    "many inputs: write there, each under its own name" },
 	{ KEY_RING, "ring", "N",
 	    "edges to the farthest neighbours, 1 to 8 (default 2)" },
 	{ KEY_SIGN, "sign", "NAME",
-	    "depth (default): convex is positive; or outward" },
+	    "{depth} (default): convex is positive; or {outward}" },
 	{ KEY_STATS, "stats", NULL,
 	    "print ranges, ranks, fallbacks and residuals" },
 	{ KEY_UV_SET, "uv-set", "N", "which UVs, 0 (default) to 7" },
 	{ KEY_WELD, "weld", "EPS",
 	    "join positions that are so near (default 0: equal ones)" },
 	{ 0, NULL, NULL, NULL },
+};
+
+static const struct cmd_mark marks[] = {
+	{ "stats", CMD_ARG_REPORT | CMD_ARG_NEUTRAL, NULL },
+	{ NULL, 0, NULL },
 };
 
 const char *const quadfit_types[QUADFIT_NTYPES] = { "tsv", "json", "ply", "glb",
@@ -164,6 +173,16 @@ choose_type(
 	return true;
 }
 
+static char *
+copy_path(const char *path)
+{
+	char *copy = strdup(path);
+
+	if (copy == NULL)
+		cmd_die("no memory");
+	return copy;
+}
+
 /* Where the output for an input goes; NULL: nowhere. To be freed. */
 static char *
 output_path(const struct cmd *cmd, const char *input, const void *arg)
@@ -172,7 +191,7 @@ output_path(const struct cmd *cmd, const char *input, const void *arg)
 	char ext[8];
 
 	if (cmd->output != NULL)
-		return strdup(cmd->output);
+		return copy_path(cmd->output);
 	if (cmd->output_dir == NULL)
 		return NULL;
 	snprintf(ext, sizeof ext, ".%s", quadfit_types[type]);
@@ -198,24 +217,36 @@ usage_is_right(
 	       cmd_paths_differ(cmd, &cmd->operands, output_path, t);
 }
 
+struct job {
+	const struct quadfit_opts *o;
+	enum quadfit_type type;
+};
+
+static int
+fit_operand(struct cmd *cmd, int i, void *arg)
+{
+	const struct job *job = arg;
+	const char *in = cmd->operands.item[i];
+	char *out = output_path(cmd, in, &job->type);
+	bool ok;
+
+	cmd_recipe_begin(cmd, i);
+	cmd_recipe_output(cmd, out, quadfit_types[job->type]);
+	ok =
+	    cmd_unchanged(cmd) || quadfit_file(cmd, job->o, in, out, job->type);
+
+	free(out);
+	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+}
+
 static int
 run(struct cmd *cmd, const struct quadfit_opts *o)
 {
-	enum quadfit_type type = QUADFIT_TSV;
-	int status = CMD_EXIT_OK;
+	struct job job = { o, QUADFIT_TSV };
 
-	if (!usage_is_right(cmd, o, &type))
+	if (!usage_is_right(cmd, o, &job.type))
 		return CMD_EXIT_USAGE;
-	for (int i = 0; i < cmd->operands.n; i++) {
-		const char *in = cmd->operands.item[i];
-		char *out = output_path(cmd, in, &type);
-
-		if (!quadfit_file(cmd, o, in, out, type))
-			status = CMD_EXIT_FAIL;
-		cmd_flush_warnings(cmd);
-		free(out);
-	}
-	return status;
+	return cmd_batch(cmd, &cmd->operands, fit_operand, &job);
 }
 
 int
@@ -227,7 +258,7 @@ main(int argc, char *argv[])
 		.frame = "uv" };
 	struct cmd_tool tool = { "rm-quadfit", "MESH ... -o OUT",
 		"Fit quadrics to a mesh at its vertices, for silhouettes.",
-		options, 0, set_option, &o };
+		options, CMD_OPTS_CHANGED, set_option, &o, main, 16, marks };
 	struct cmd cmd;
 	int status;
 

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_batch.h"
+#include "cmd_recipe.h"
 #include "render_tool.h"
 
 /* -- the camera --------------------------------------------------------------
@@ -142,7 +144,17 @@ render_one(struct cmd *cmd, const struct render_opts *o,
 	return ok;
 }
 
-/* OUT_0001.png … once round. */
+/* OUT_0001.png … */
+static char *
+turn_path(const struct cmd *cmd, int i)
+{
+	char suffix[16];
+
+	snprintf(suffix, sizeof suffix, "_%04d", i + 1);
+	return cmd_path_derive(cmd->output, NULL, suffix, NULL);
+}
+
+/* Once round. */
 static bool
 render_turntable(struct cmd *cmd, const struct render_opts *o,
     const struct render_scene *scene)
@@ -150,26 +162,44 @@ render_turntable(struct cmd *cmd, const struct render_opts *o,
 	bool ok = true;
 
 	for (int i = 0; ok && i < o->turntable; i++) {
-		char suffix[16], *path;
+		char *path = turn_path(cmd, i);
 
-		snprintf(suffix, sizeof suffix, "_%04d", i + 1);
-		path = cmd_path_derive(cmd->output, NULL, suffix, NULL);
 		ok = render_one(cmd, o, scene, 360.0 * i / o->turntable, path);
 		free(path);
 	}
 	return ok;
 }
 
-static int
-run(struct cmd *cmd, struct render_opts *o)
+static void
+plan_outputs(struct cmd *cmd, const struct render_opts *o)
 {
+	for (int i = 0; i < o->turntable; i++) {
+		char *path = turn_path(cmd, i), label[16];
+
+		snprintf(label, sizeof label, "turn %d", i + 1);
+		cmd_recipe_output(cmd, path, label);
+		free(path);
+	}
+	if (o->turntable == 0)
+		cmd_recipe_output(cmd, cmd->output, "picture");
+	cmd_recipe_output(cmd, o->buffers, "buffers");
+	cmd_recipe_color(cmd);
+}
+
+static int
+render(struct cmd *cmd, int i, void *opts)
+{
+	struct render_opts *o = opts;
 	struct render_scene *scene;
 	struct bake_color *color = NULL;
 	struct bake_err err = BAKE_ERR_INIT;
 	bool ok;
 
-	if (!render_usage(cmd, o))
-		return CMD_EXIT_USAGE;
+	(void)i;
+	cmd_recipe_begin(cmd, -1);
+	plan_outputs(cmd, o);
+	if (cmd_unchanged(cmd))
+		return CMD_EXIT_OK;
 	cmd_silence_libraries(cmd);
 	if (bake_color_open(NULL, &color, &err) != BAKE_OK) {
 		cmd_error(cmd, "%s", err.msg);
@@ -194,6 +224,12 @@ run(struct cmd *cmd, struct render_opts *o)
 	free(scene);
 	bake_color_close(color);
 	return ok ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+}
+
+static int
+run(struct cmd *cmd, struct render_opts *o)
+{
+	return render_usage(cmd, o) ? cmd_one(cmd, render, o) : CMD_EXIT_USAGE;
 }
 
 int
@@ -224,7 +260,7 @@ main(int argc, char *argv[])
 		render_options,
 		CMD_OPTS_OUTPUT | CMD_OPTS_RELIEF | CMD_OPTS_NORMAL |
 		    CMD_IN_ORDER,
-		render_set_option, &o };
+		render_set_option, &o, main, 48, render_marks };
 	struct cmd cmd;
 	int status;
 

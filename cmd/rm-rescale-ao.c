@@ -5,7 +5,9 @@
 
 #include "ao_rescale.h"
 #include "cmd.h"
+#include "cmd_batch.h"
 #include "cmd_image.h"
+#include "cmd_recipe.h"
 #include "rescale.h"
 
 enum {
@@ -26,15 +28,15 @@ static const struct cmd_option options[] = {
 	{ KEY_BLUR, "blur", "SIGMA",
 	    "--horizons, --compare: rm-aobake's low-pass (default 1)" },
 	{ KEY_BLUR_MODE, "blur-mode", "MODE",
-	    "the same: paper (default) or occluded" },
+	    "the same: {paper} (default) or {occluded}" },
 	{ KEY_CHANNEL, "channel", "NAME",
-	    "the AO's channel: R, G, B, A, its name or number" },
+	    "the AO's channel: {R}, {G}, {B}, {A}, its name or number" },
 	{ KEY_COMPARE, "compare", "DEPTHMAP",
 	    "bake this at the new scale and print how far the result is" },
 	{ KEY_ERROR_OUT, "error-out", "FILE",
 	    "with --compare: write the signed error as an image" },
 	{ KEY_ESTIMATOR, "estimator", "NAME",
-	    "--horizons, --compare: polygon (default) or mean" },
+	    "--horizons, --compare: {polygon} (default) or {mean}" },
 	{ KEY_FROM, "from", "A",
 	    "the depth scale that the AO belongs to (default: the file's)" },
 	{ KEY_HORIZONS, "horizons", "FILE",
@@ -43,6 +45,13 @@ static const struct cmd_option options[] = {
 	{ KEY_SCALE, "scale", "S", "new depth scale / old depth scale" },
 	{ KEY_TO, "to", "B", "the new depth scale, instead of --scale" },
 	{ 0, NULL, NULL, NULL },
+};
+
+static const struct cmd_mark marks[] = {
+	{ "compare", CMD_ARG_REPORT | CMD_ARG_NEUTRAL, NULL },
+	{ "error-out", CMD_ARG_NEUTRAL, NULL },
+	{ "horizons", CMD_ARG_INPUT, NULL },
+	{ NULL, 0, NULL },
 };
 
 struct opts {
@@ -395,16 +404,26 @@ opts_agree(const struct cmd *cmd, const struct opts *o)
 }
 
 static int
-run(struct cmd *cmd, const struct opts *o)
+rescale_operand(struct cmd *cmd, int i, void *opts)
 {
-	int status = CMD_EXIT_OK;
+	const char *in = cmd->operands.item[i];
+	char *path = NULL;
 
-	if (!opts_agree(cmd, o))
-		return CMD_EXIT_USAGE;
-	for (int i = 0; i < cmd->operands.n; i++)
-		if (!rescale_one(cmd, o, cmd->operands.item[i]))
-			status = CMD_EXIT_FAIL;
-	return status;
+	if (cmd->output != NULL || cmd->output_dir != NULL)
+		path = cmd_output_path(cmd, in, "");
+	cmd_recipe_begin(cmd, i);
+	cmd_recipe_output(cmd, path, "ao");
+	free(path);
+	return cmd_unchanged(cmd) || rescale_one(cmd, opts, in) ? CMD_EXIT_OK
+								: CMD_EXIT_FAIL;
+}
+
+static int
+run(struct cmd *cmd, struct opts *o)
+{
+	return opts_agree(cmd, o)
+		   ? cmd_batch(cmd, &cmd->operands, rescale_operand, o)
+		   : CMD_EXIT_USAGE;
 }
 
 int
@@ -417,7 +436,8 @@ main(int argc, char *argv[])
 	struct cmd_tool tool = { "rm-rescale-ao", "IN ... -o OUT",
 		"Ambient occlusion after its relief was made deeper or "
 		"flatter.",
-		options, CMD_OPTS_OUTPUT | CMD_OPTS_RELIEF, set_option, &o };
+		options, CMD_OPTS_OUTPUT | CMD_OPTS_RELIEF | CMD_OPTS_TILES,
+		set_option, &o, main, 48, marks };
 	struct cmd cmd;
 	int status;
 

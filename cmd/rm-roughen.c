@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cmd_batch.h"
+#include "cmd_recipe.h"
 #include "roughen_tool.h"
 
 static bool
@@ -61,15 +63,36 @@ roughen_one(struct roughen_job *job, const char *in)
 	return ok;
 }
 
-static int
-roughen_all(struct roughen_job *job)
+static void
+plan_outputs(struct cmd *cmd, const struct roughen_opts *o, const char *in)
 {
-	int status = CMD_EXIT_OK;
+	char *path = NULL;
 
-	for (int i = 0; i < job->cmd->operands.n; i++)
-		if (!roughen_one(job, job->cmd->operands.item[i]))
-			status = CMD_EXIT_FAIL;
-	return status;
+	if (in != NULL && (cmd->output != NULL || cmd->output_dir != NULL))
+		path = cmd_output_path(cmd, in, "");
+	cmd_recipe_output(cmd, path, "picture");
+	cmd_recipe_output(cmd, o->lut, "lut");
+	cmd_recipe_output(cmd, o->plot, "plot");
+	cmd_recipe_output(cmd, o->sheet, "sheet");
+	cmd_recipe_output(cmd, o->cylinder, "cylinder");
+	cmd_recipe_output(cmd, o->render, "render");
+	if (!o->encoded)
+		cmd_recipe_color(cmd);
+	free(path);
+}
+
+/* Operand i; without operands, what needs none. */
+static int
+roughen_operand(struct cmd *cmd, int i, void *arg)
+{
+	struct roughen_job *job = arg;
+	const char *in = cmd->operands.n > 0 ? cmd->operands.item[i] : NULL;
+
+	cmd_recipe_begin(cmd, i);
+	plan_outputs(cmd, job->o, in);
+	if (cmd_unchanged(cmd))
+		return CMD_EXIT_OK;
+	return roughen_one(job, in) ? CMD_EXIT_OK : CMD_EXIT_FAIL;
 }
 
 static int
@@ -83,9 +106,9 @@ run(struct cmd *cmd, const struct roughen_opts *o)
 	if (!open_color(&job))
 		status = CMD_EXIT_FAIL;
 	else if (cmd->operands.n == 0)
-		status = roughen_one(&job, NULL) ? CMD_EXIT_OK : CMD_EXIT_FAIL;
+		status = cmd_one(cmd, roughen_operand, &job);
 	else
-		status = roughen_all(&job);
+		status = cmd_batch(cmd, &cmd->operands, roughen_operand, &job);
 	bake_color_close(job.color);
 	return status;
 }
@@ -107,7 +130,7 @@ main(int argc, char *argv[])
 		"light.",
 		roughen_options,
 		CMD_OPTS_OUTPUT | CMD_OPTS_RELIEF | CMD_OPTS_NORMAL,
-		roughen_set, &o };
+		roughen_set, &o, main, 48, roughen_marks };
 	struct cmd cmd;
 	int status;
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cmd_recipe.h"
 #include "roughen_tool.h"
 
 enum {
@@ -36,7 +37,7 @@ const struct cmd_option roughen_options[] = {
 	    "angle of incidence, 0 along the normal, 0 to 180" },
 	{ KEY_ANGLE_MAP, "angle-map", "FILE", "the angle at each texel" },
 	{ KEY_ANGLE_UNIT, "angle-unit", "NAME",
-	    "of its values: quarter (default), degrees or cosine" },
+	    "of its values: {quarter} (default), {degrees} or {cosine}" },
 	{ KEY_ANGLES, "angles", "LIST",
 	    "of reports, in degrees (default 10,20,30,40,50,60,70,80)" },
 	{ KEY_AT, "at", "DEG",
@@ -55,7 +56,7 @@ const struct cmd_option roughen_options[] = {
 	    "remap the files' values, as the paper, not light" },
 	{ KEY_FIT, "fit", "REFERENCE",
 	    "find the strength that gives this picture's contrast" },
-	{ KEY_FIT_DEPTH, "fit-depth", "D",
+	{ KEY_FIT_DEPTH, "fit-depth", "DEPTHMAP",
 	    "find the strength that is nearest to this relief's contrast" },
 	{ KEY_LIGHT, "light", "X,Y,Z",
 	    "--normal-map: towards the light; x right, y up, z out" },
@@ -66,7 +67,7 @@ const struct cmd_option roughen_options[] = {
 	{ KEY_MEDIAN, "median", "auto|M",
 	    "median luminance (default auto: the texture's)" },
 	{ KEY_MODEL, "model", "NAME",
-	    "facet (default), paper, blackshot or flat" },
+	    "{facet} (default), {paper}, {blackshot} or {flat}" },
 	{ KEY_NORMAL_MAP, "normal-map", "FILE",
 	    "the angle at each texel, by its normal and --light" },
 	{ KEY_PLOT, "plot", "FILE", "draw what --contrast prints" },
@@ -76,6 +77,20 @@ const struct cmd_option roughen_options[] = {
 	    "draw all models at --angles, as the paper's figure 3" },
 	{ KEY_STRENGTH, "strength", "S", "how rough, 0 to 1 (default 0.09)" },
 	{ 0, NULL, NULL, NULL },
+};
+
+const struct cmd_mark roughen_marks[] = {
+	{ "angle-map", CMD_ARG_INPUT, NULL },
+	{ "contrast", CMD_ARG_REPORT | CMD_ARG_NEUTRAL, NULL },
+	{ "cylinder", CMD_ARG_NEUTRAL, NULL },
+	{ "fit", CMD_ARG_INPUT | CMD_ARG_REPORT, NULL },
+	{ "fit-depth", CMD_ARG_INPUT | CMD_ARG_REPORT, NULL },
+	{ "lut", CMD_ARG_NEUTRAL, NULL },
+	{ "normal-map", CMD_ARG_INPUT, NULL },
+	{ "plot", CMD_ARG_NEUTRAL, NULL },
+	{ "render", CMD_ARG_NEUTRAL, NULL },
+	{ "sheet", CMD_ARG_NEUTRAL, NULL },
+	{ NULL, 0, NULL },
 };
 
 static bool

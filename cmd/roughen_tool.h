@@ -31,6 +31,7 @@ struct roughen_opts {
 };
 
 extern const struct cmd_option roughen_options[];
+extern const struct cmd_mark roughen_marks[];
 bool roughen_set(struct cmd *cmd, int key, const char *arg);
 /* Whether the options make sense together; otherwise a usage error. */
 bool roughen_args_are_clear(

@@ -10,86 +10,107 @@ struct packed {
 	bool has_ao; /* the third channel is AO, not normal z */
 };
 
-static bool
-write_plane(struct packed *p, int chan, const char *path,
-    struct bake_relief_meta meta, bool flip)
-{
-	struct bake_image one = BAKE_IMAGE_INIT;
-	struct bake_err err = BAKE_ERR_INIT;
-	const struct bake_image *img = &p->map.img;
-	bool ok;
+/* One of the outputs while it is written. */
+struct plane {
+	const struct packed *p;
+	int first; /* of the packed texture's channels in their order */
+	bool flip; /* the relief, or the normals' y */
+};
 
-	if (bake_image_alloc(&one, img->width, img->height, 1, &err) !=
-	    BAKE_OK) {
-		cmd_error(p->cmd, "%s: %s", path, err.msg);
-		return false;
-	}
-	bake_image_copy_channel(&one, 0, img, p->channel[chan]);
-	if (flip)
-		bake_relief_flip(&one, 0);
-	ok =
-	    cmd_write(p->cmd, &one, path, p->map.info.data_format, &meta, NULL);
-	bake_image_free(&one);
-	return ok;
+/* Rows y … of the plane's channels as they are stored. */
+static void
+take_rows(const struct plane *plane, int y, struct bake_image *band)
+{
+	struct bake_image rows = plane->p->map.img;
+
+	rows.data = bake_image_row(&plane->p->map.img, y);
+	for (int c = 0; c < band->nchans; c++)
+		bake_image_copy_channel(
+		    band, c, &rows, plane->p->channel[plane->first + c]);
+}
+
+static enum bake_status
+get_plane(void *arg, int y, int n, float *rows, struct bake_err *err)
+{
+	const struct plane *plane = arg;
+	const int w = plane->p->map.img.width;
+	struct bake_image band = { w, n, 1, (size_t)w, rows };
+
+	(void)err;
+	take_rows(plane, y, &band);
+	if (plane->flip)
+		bake_relief_flip(&band, 0);
+	return BAKE_OK;
 }
 
 /* z of the stored x, y: sqrt(1 - x^2 - y^2), as the renderer recovers it; x
  * and y keep their bits. */
-static bool
-rebuild_z(struct packed *p, struct bake_image *n)
+static enum bake_status
+rebuild_z(struct bake_image *n, struct bake_err *err)
 {
 	struct bake_image xyz = BAKE_IMAGE_INIT;
-	struct bake_err err = BAKE_ERR_INIT;
-	bool ok;
+	enum bake_status rc;
 
-	ok = bake_image_alloc(&xyz, n->width, n->height, 2, &err) == BAKE_OK;
-	for (int c = 0; ok && c < 2; c++)
+	rc = bake_image_alloc(&xyz, n->width, n->height, 2, err);
+	for (int c = 0; rc == BAKE_OK && c < 2; c++)
 		bake_image_copy_channel(&xyz, c, n, c);
-	if (ok) {
+	if (rc == BAKE_OK) {
 		bake_normal_decode(&xyz, BAKE_NORMAL_CODE_UNSIGNED, false);
-		ok = bake_normal_normalize(
-			 &xyz, p->cmd->nthreads, NULL, &err) == BAKE_OK;
+		rc = bake_normal_normalize(&xyz, 1, NULL, err);
 	}
-	if (ok) {
+	if (rc == BAKE_OK) {
 		bake_normal_encode(&xyz, false);
 		bake_image_copy_channel(n, 2, &xyz, 2);
-	} else {
-		cmd_error(p->cmd, "%s: %s", p->map.path, err.msg);
 	}
 	bake_image_free(&xyz);
-	return ok;
+	return rc;
+}
+
+static enum bake_status
+get_normal(void *arg, int y, int n, float *rows, struct bake_err *err)
+{
+	const struct plane *plane = arg;
+	const int w = plane->p->map.img.width;
+	struct bake_image band = { w, n, 3, (size_t)w * 3, rows };
+
+	take_rows(plane, y, &band);
+	if (plane->flip)
+		bake_relief_flip(&band, 1);
+	return plane->p->has_ao ? rebuild_z(&band, err) : BAKE_OK;
+}
+
+static bool
+write_plane(struct packed *p, int chan, const char *path,
+    struct bake_relief_meta meta, bool flip)
+{
+	struct plane plane = { .p = p, .first = chan, .flip = flip };
+	const struct bake_row_source rows = { p->map.img.width,
+		p->map.img.height, 1, get_plane, &plane };
+
+	return cmd_write_rows(
+	    p->cmd, &rows, path, p->map.info.data_format, &meta, NULL);
 }
 
 static bool
 write_normal(struct packed *p, const char *path, struct bake_relief_meta meta)
 {
 	struct cmd *cmd = p->cmd;
-	struct bake_image n = BAKE_IMAGE_INIT;
-	struct bake_err err = BAKE_ERR_INIT;
+	struct plane plane = { .p = p };
+	const struct bake_row_source rows = { p->map.img.width,
+		p->map.img.height, 3, get_normal, &plane };
 	enum bake_normal_y from = cmd->has_normal_y ? cmd->normal_y
 				  : meta.normal_y != BAKE_NORMAL_Y_UNSURE
 				      ? meta.normal_y
 				      : BAKE_NORMAL_Y_UP;
-	bool ok;
 
 	meta.layout = BAKE_LAYOUT_NORMAL;
 	meta.normal_code = BAKE_NORMAL_CODE_UNSIGNED;
 	meta.normal_y = cmd->output_normal_y != BAKE_NORMAL_Y_UNSURE
 			    ? cmd->output_normal_y
 			    : BAKE_NORMAL_Y_UP;
-	if (bake_image_alloc(
-		&n, p->map.img.width, p->map.img.height, 3, &err) != BAKE_OK) {
-		cmd_error(cmd, "%s: %s", path, err.msg);
-		return false;
-	}
-	for (int c = 0; c < 3; c++)
-		bake_image_copy_channel(&n, c, &p->map.img, p->channel[c]);
-	if (from != meta.normal_y)
-		bake_relief_flip(&n, 1);
-	ok = (!p->has_ao || rebuild_z(p, &n)) &&
-	     cmd_write(cmd, &n, path, p->map.info.data_format, &meta, NULL);
-	bake_image_free(&n);
-	return ok;
+	plane.flip = from != meta.normal_y;
+	return cmd_write_rows(
+	    cmd, &rows, path, p->map.info.data_format, &meta, NULL);
 }
 
 static bool

@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-enum { BAKE_ATTRS_MAX = 16, BAKE_ATTR_NAME = 32, BAKE_ATTR_VALUE = 128 };
+enum { BAKE_ATTRS_MAX = 20, BAKE_ATTR_NAME = 32, BAKE_ATTR_VALUE = 512 };
 
 /*
  * Attributes `relief:NAME = VALUE`. An EXR file holds each as an attribute of
@@ -20,7 +20,8 @@ enum { BAKE_ATTRS_MAX = 16, BAKE_ATTR_NAME = 32, BAKE_ATTR_VALUE = 128 };
  * all of them as one line of text, their ImageDescription:
  *     relief:Layout=relief; relief:DepthScale=0.1
  * In TGA that line is broken into 4 of 80 characters, each with whole
- * attributes; one that finds no room there is left out.
+ * attributes; one that finds no room there is left out. Recipe and RecipeFiles
+ * (record.h) are its names of the job and of the software.
  * A name is not empty and has no '='; neither has a ';' or a control character.
  * Plain data.
  */

@@ -392,6 +392,9 @@ bake_color_open(
 		    err, BAKE_ENOMEM, "no memory for a colour configuration");
 	try {
 		rc = open_config(c, path, err);
+	} catch (const std::bad_alloc &) { /* nor for a name in a message */
+		rc = bake_fail(
+		    err, BAKE_ENOMEM, "no memory for a colour configuration");
 	} catch (...) {
 		rc = fail_exception(err, title(c));
 	}

@@ -84,7 +84,7 @@ fill(struct bake_image *img, float value)
 	for (int y = 0; y < img->height; y++) {
 		float *row = bake_image_row(img, y);
 
-		for (int i = 0; i < img->width * img->nchans; i++)
+		for (size_t i = 0; i < img->row_stride; i++)
 			row[i] = value;
 	}
 }
@@ -270,20 +270,98 @@ finish_normals(struct bake_combine *c, struct bake_err *err)
 }
 
 enum bake_status
+bake_combine_settle(struct bake_combine *c, struct bake_err *err)
+{
+	struct bake_ao_params ao = c->p.ao;
+	struct bake_ao_result result = { &c->ao, NULL, NULL };
+
+	if (c->p.ao_blend != BAKE_AO_BAKE)
+		return BAKE_OK;
+	ao.wrap = c->p.wrap;
+	ao.nthreads = c->p.nthreads;
+	return bake_ao(&c->depth, &c->p.depth_scale, 1, &ao, &result, err);
+}
+
+/* Rows y … of an image. */
+static void
+copy_rows(struct bake_image *dst, const struct bake_image *src, int y)
+{
+	const size_t row = (size_t)src->width * (size_t)src->nchans;
+
+	for (int i = 0; i < dst->height; i++)
+		memcpy(bake_image_row(dst, i), bake_image_row(src, y + i),
+		    row * sizeof(float));
+}
+
+/* Threads for a band: those that a team has done with spin for some
+ * milliseconds before they sleep, which few rows are not worth. */
+static int
+band_threads(const struct bake_combine_params *p, int rows)
+{
+	return (size_t)p->width * (size_t)rows < (size_t)1 << 20
+		   ? 1
+		   : bake_threads(p->nthreads);
+}
+
+static enum bake_status
+get_normals(const struct bake_combine *c, int y, struct bake_image *normal,
+    struct bake_err *err)
+{
+	const struct bake_combine_params *p = &c->p;
+	const int nt = band_threads(p, normal->height);
+	enum bake_status rc;
+
+	if (p->normal_blend == BAKE_NORMAL_FROM_DEPTH) {
+		rc = bake_normal_rows_from_depth(&c->depth, p->depth_scale,
+		    p->wrap, p->slope, nt, y, normal, err);
+		if (rc == BAKE_OK)
+			bake_normal_encode(normal, false);
+		return rc;
+	}
+#pragma omp parallel for schedule(static) num_threads(nt)
+	for (int i = 0; i < normal->height; i++) {
+		float *row = bake_image_row(normal, i);
+
+		memcpy(row, bake_image_row(&c->normal, y + i),
+		    (size_t)p->width * 3 * sizeof *row);
+		bake_combine_unit(p->normal_blend, c->copied, row, p->width);
+	}
+	return BAKE_OK;
+}
+
+static bool
+is_band(const struct bake_combine *c, int y, const struct bake_image *band,
+    int nchans)
+{
+	return band == NULL ||
+	       (band->width == c->p.width && band->nchans == nchans && y >= 0 &&
+		   band->height <= c->p.height - y);
+}
+
+enum bake_status
+bake_combine_get(const struct bake_combine *c, int y, struct bake_image *normal,
+    struct bake_image *ao, struct bake_image *depth, struct bake_err *err)
+{
+	if (!is_band(c, y, normal, 3) || !is_band(c, y, ao, 1) ||
+	    !is_band(c, y, depth, 1))
+		return bake_fail(err, BAKE_EINVAL,
+		    "rows from %d on do not fit a result of %dx%d", y,
+		    c->p.width, c->p.height);
+	if (ao != NULL)
+		copy_rows(ao, &c->ao, y);
+	if (depth != NULL)
+		copy_rows(depth, &c->depth, y);
+	return normal != NULL ? get_normals(c, y, normal, err) : BAKE_OK;
+}
+
+enum bake_status
 bake_combine_finish(
     struct bake_combine *c, struct bake_combined *out, struct bake_err *err)
 {
 	enum bake_status rc = finish_normals(c, err);
 
-	if (rc == BAKE_OK && c->p.ao_blend == BAKE_AO_BAKE) {
-		struct bake_ao_params ao = c->p.ao;
-		struct bake_ao_result result = { &c->ao, NULL, NULL };
-
-		ao.wrap = c->p.wrap;
-		ao.nthreads = c->p.nthreads;
-		rc =
-		    bake_ao(&c->depth, &c->p.depth_scale, 1, &ao, &result, err);
-	}
+	if (rc == BAKE_OK)
+		rc = bake_combine_settle(c, err);
 	if (rc != BAKE_OK)
 		return rc;
 	bake_image_swap(&out->normal, &c->normal);

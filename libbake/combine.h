@@ -89,8 +89,9 @@ struct bake_combine_params {
  *     bake_combine_close(c);
  *
  * Memory: 20 bytes a texel of the result. Adding a layer takes an image of 16
- * bytes for the result's width by the layer's height more, or nothing where
- * its texels are those of the result; BAKE what bake_ao takes.
+ * bytes for the result's width by the layer's height more, but what 64 rows of
+ * the result need of it at most where that is more than BAKE_RESAMPLE_WHOLE, or
+ * nothing where its texels are those of the result; BAKE what bake_ao takes.
  *
  * Depth is sum w_d d_i / sum w_d (eq. 2).
  *
@@ -185,6 +186,24 @@ struct bake_combined {
  */
 BAKE_API enum bake_status bake_combine_finish(
     struct bake_combine *c, struct bake_combined *out, struct bake_err *err);
+
+/*
+ * The same row by row, without a second copy of the result: settle once, after
+ * the last layer (the occlusion of BAKE is baked), then any rows as often as
+ * they are wanted.
+ *
+ *   y                  the first row
+ *   normal, ao, depth  out: images of the result's width and of some rows, of
+ *                      3, 1 and 1 channels, the caller's; NULL: not wanted
+ *
+ * BAKE_EINVAL  the rows are not all in the result
+ * BAKE_ENOMEM  no memory to bake
+ */
+BAKE_API enum bake_status bake_combine_settle(
+    struct bake_combine *c, struct bake_err *err);
+BAKE_API enum bake_status bake_combine_get(const struct bake_combine *c, int y,
+    struct bake_image *normal, struct bake_image *ao, struct bake_image *depth,
+    struct bake_err *err);
 
 /* Free all; harmless on NULL. */
 BAKE_API void bake_combine_close(struct bake_combine *c);

@@ -65,40 +65,62 @@ bake_combine_copies(const struct bake_resample_params *r)
 	       r->filter != BAKE_FILTER_BSPLINE;
 }
 
+/* What the threads take turns in. */
+struct turns {
+	struct bake_resampler *r;
+	const struct bake_row_sink *sink;
+	size_t n, row; /* doubles, floats of one thread */
+	double *scratch;
+	float *rows;
+	int nthreads;
+};
+
+static void
+give_rows(const struct turns *t, int first, int end)
+{
+#pragma omp parallel for schedule(static) num_threads(t->nthreads)
+	for (int y = first; y < end; y++) {
+		const size_t i = (size_t)omp_get_thread_num();
+		float *row = t->rows + i * t->row;
+
+		bake_resampler_row(t->r, y, row, t->scratch + i * t->n);
+		t->sink->take(t->sink->arg, y, row);
+	}
+}
+
 enum bake_status
 bake_combine_rows(const struct bake_combine_params *p,
     const struct bake_image *map, const struct bake_resample_params *how,
     const struct bake_row_sink *sink, struct bake_err *err)
 {
-	const int nt = bake_threads(p->nthreads);
-	struct bake_resampler *r;
-	double *scratch = NULL;
-	float *rows = NULL;
-	size_t n, row;
+	const int window = bake_resample_window_rows(map, p->width);
+	const int step = window > 0 ? window : p->height;
+	struct bake_resample_params in_windows = *how;
+	struct turns t = { .sink = sink,
+		.nthreads = bake_threads(p->nthreads) };
 	enum bake_status rc;
 
-	rc = bake_resampler_open(&r, map, p->width, p->height, how, err);
+	in_windows.window_rows = window;
+	rc = bake_resampler_open(
+	    &t.r, map, p->width, p->height, &in_windows, err);
 	if (rc != BAKE_OK)
 		return rc;
-	n = bake_resampler_scratch(r);
-	row = (size_t)p->width * (size_t)map->nchans;
-	scratch = bake_alloc(n, (size_t)nt * sizeof *scratch, err);
-	rows = bake_alloc(row, (size_t)nt * sizeof *rows, err);
-	if (scratch != NULL && rows != NULL) {
-#pragma omp parallel for schedule(static) num_threads(nt)
-		for (int y = 0; y < p->height; y++) {
-			const size_t t = (size_t)omp_get_thread_num();
-
-			bake_resampler_row(
-			    r, y, rows + t * row, scratch + t * n);
-			sink->take(sink->arg, y, rows + t * row);
-		}
-	} else {
+	t.n = bake_resampler_scratch(t.r);
+	t.row = (size_t)p->width * (size_t)map->nchans;
+	t.scratch = bake_alloc(t.n, (size_t)t.nthreads * sizeof(double), err);
+	t.rows = bake_alloc(t.row, (size_t)t.nthreads * sizeof(float), err);
+	if (t.scratch == NULL || t.rows == NULL)
 		rc = BAKE_ENOMEM;
+	for (int y = 0; rc == BAKE_OK && y < p->height;
+	     y += step < p->height - y ? step : p->height - y) {
+		rc = bake_resampler_window(t.r, y, err);
+		if (rc == BAKE_OK)
+			give_rows(
+			    &t, y, step < p->height - y ? y + step : p->height);
 	}
-	free(rows);
-	free(scratch);
-	bake_resampler_close(r);
+	free(t.rows);
+	free(t.scratch);
+	bake_resampler_close(t.r);
 	return rc;
 }
 

@@ -105,6 +105,21 @@ BAKE_API enum bake_status bake_gltf_make(const struct bake_mesh *mesh,
     struct bake_err *err);
 
 /*
+ * Put a record (record.h) into the asset's extras, as 'relief:Recipe' and
+ * 'relief:RecipeFiles', in the place of those that were there; an empty or NULL
+ * text is none. Extras that are no object stay what they are.
+ *
+ * BAKE_ENOMEM  no memory
+ */
+BAKE_API enum bake_status bake_gltf_set_record(struct bake_gltf *gltf,
+    const char *text, const char *list, struct bake_err *err);
+
+/* Whether what will be written depends on more than the bytes of
+ * bake_gltf_files: on pictures, or (glb false) buffers, that are beside the
+ * file and called by names which depend on the folder of the output. */
+BAKE_API bool bake_gltf_has_outside(const struct bake_gltf *gltf, bool glb);
+
+/*
  * Write it.
  *   glb   one file: the buffers become the binary chunk, images beside the file
  *         come along. Without it: JSON; buffers beside the file stay where they

@@ -230,3 +230,62 @@ out:
 	free(buffer.data);
 	return rc;
 }
+
+/* -- records ---------------------------------------------------------------
+ */
+
+/* Set a member, or take it away. */
+static bool
+put_text(json_t *object, const char *key, const char *text)
+{
+	if (text != NULL && text[0] != '\0')
+		return put(object, key, json_string(text));
+	json_object_del(object, key);
+	return true;
+}
+
+enum bake_status
+bake_gltf_set_record(struct bake_gltf *g, const char *text, const char *list,
+    struct bake_err *err)
+{
+	json_t *asset = json_object_get(g->root, "asset");
+	json_t *extras = json_object_get(asset, "extras");
+	bool none = text == NULL || text[0] == '\0';
+
+	if (extras == NULL && !none) {
+		extras = json_object();
+		if (!put(asset, "extras", extras))
+			return bake_fail(err, BAKE_ENOMEM, "no memory");
+	}
+	if (!json_is_object(extras))
+		return BAKE_OK;
+	if (!put_text(extras, "relief:Recipe", text) ||
+	    !put_text(extras, "relief:RecipeFiles", list))
+		return bake_fail(err, BAKE_ENOMEM, "no memory");
+	return BAKE_OK;
+}
+
+/* Whether one of the array's objects names a file. */
+static bool
+names_files(const json_t *array)
+{
+	json_t *item;
+	size_t i;
+
+	json_array_foreach(array, i, item)
+	{
+		const char *uri =
+		    json_string_value(json_object_get(item, "uri"));
+
+		if (uri != NULL && strncmp(uri, "data:", 5) != 0)
+			return true;
+	}
+	return false;
+}
+
+bool
+bake_gltf_has_outside(const struct bake_gltf *g, bool glb)
+{
+	return names_files(json_object_get(g->root, "images")) ||
+	       (!glb && names_files(json_object_get(g->root, "buffers")));
+}

@@ -141,6 +141,7 @@ texels_per_byte(enum bake_image_kind kind)
 		return 128;
 	case BAKE_KIND_DDS:
 		return 16;
+	case BAKE_KIND_GIF:
 	case BAKE_KIND_JPEG:
 		return 4096;
 	default:

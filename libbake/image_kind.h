@@ -60,8 +60,8 @@ struct bake_image_claim {
 /*
  * Check a claim against the limits, and against what a file of that kind and
  * size can decode to (own derivation: deflate expands 1032 times at most, a
- * run of RLE 128 samples from two bytes; other kinds are taken on trust up to
- * a gigabyte).
+ * run of RLE 128 samples from two bytes, LZW 4096 from a code of 12 bits; other
+ * kinds are taken on trust up to a gigabyte).
  *
  * BAKE_EDATA   no texel, or the file is too small for what it claims
  * BAKE_ELIMIT  beyond the limits

@@ -88,9 +88,10 @@ class Stream : public Imf::OStream
 	{
 		off_t at = ftello(fp);
 
-		if (at < 0)
-			note();
-		return (uint64_t)at;
+		/* the library's destructor catches nothing here */
+		if (at < 0 && failure == 0)
+			failure = errno;
+		return at < 0 ? 0 : (uint64_t)at;
 	}
 	void
 	seekp(uint64_t at) override

@@ -9,6 +9,7 @@
 
 #include "attrs.h"
 #include "codes.h"
+#include "digest.h"
 #include "image.h"
 #include "pixels.h"
 
@@ -37,7 +38,9 @@ struct bake_image_info {
 	int orientation; /* EXIF/TIFF, 1 = upright; never applied */
 	bool windowed;   /* the EXR data window is not the display window:
 			  * the data window's texels are the image */
-	struct bake_attrs attrs; /* the relief: attributes */
+	struct bake_attrs attrs;         /* the relief: attributes */
+	struct bake_digest stdin_digest; /* of standard input's bytes, where
+					  * they are what was opened */
 };
 
 /* Limits that hold before anything is allocated. */
@@ -97,6 +100,14 @@ BAKE_API enum bake_status bake_reader_open_memory(struct bake_reader **reader,
 BAKE_API enum bake_status bake_reader_read(struct bake_reader *reader,
     int first, int nchans, struct bake_image *img, struct bake_err *err);
 
+/*
+ * The same of any n channels in any order, n >= 1: channel
+ * c of the image is the file's channel[c]. Beside the image there is a band of
+ * rows in memory, or of one row of tiles; never the file's other channels.
+ */
+BAKE_API enum bake_status bake_reader_read_channels(struct bake_reader *reader,
+    const int *channel, int n, struct bake_image *img, struct bake_err *err);
+
 /* Close and free; harmless on NULL. */
 BAKE_API void bake_reader_close(struct bake_reader *reader);
 
@@ -109,6 +120,8 @@ struct bake_write_params {
 	const char *const *names;
 	struct bake_attrs attrs;
 	int png_level; /* deflate level, 1 .. 9 */
+	int tile; /* TIFF and EXR: the side of a tile in texels, a multiple of
+		   * 16; 0: whole rows */
 };
 
 /* PNG files are written with the Paeth filter and this deflate level: on a
@@ -141,7 +154,11 @@ BAKE_API const char *bake_file_type_name(enum bake_file_type type);
  *   name      used in messages
  *   nclipped  out: values that an integer format clipped; may be NULL
  *
- * BAKE_EINVAL  the type does not hold the data format or the channels
+ * A TIFF file of more than 4 GB of texels is a BigTIFF.
+ *
+ * BAKE_EINVAL  the type does not hold the data format, the channels, the size
+ *              (PNG: 1,000,000 texels a side, TGA 65,535, the others 2^20) or
+ *              tiles
  * BAKE_EIO     writing failed; what the stream holds is of no use
  */
 BAKE_API enum bake_status bake_image_write(const struct bake_image *img,
@@ -155,6 +172,26 @@ BAKE_API enum bake_status bake_image_write(const struct bake_image *img,
  * otherwise by way of floats. Never a copy of the whole picture.
  */
 BAKE_API enum bake_status bake_pixels_write(const struct bake_pixels *px,
+    const struct bake_write_params *params, FILE *stream, const char *name,
+    size_t *nclipped, struct bake_err *err);
+
+/* Rows of a picture that are made when the file wants them. */
+struct bake_row_source {
+	int width, height, nchans;
+	/*
+	 * Rows y .. y + n - 1 as n * width * nchans floats. The rows are asked
+	 * for once each, in order, on the calling thread; get may use several.
+	 * A failure ends the writing and is what bake_rows_write returns; it is
+	 * not BAKE_EIO.
+	 */
+	enum bake_status (*get)(
+	    void *arg, int y, int n, float *rows, struct bake_err *err);
+	void *arg;
+};
+
+/* bake_image_write of an image that is nowhere whole: the bytes are the same.
+ * A band of rows, or one row of tiles, is in memory. */
+BAKE_API enum bake_status bake_rows_write(const struct bake_row_source *rows,
     const struct bake_write_params *params, FILE *stream, const char *name,
     size_t *nclipped, struct bake_err *err);
 

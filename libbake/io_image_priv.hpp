@@ -6,18 +6,55 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <atomic>
+#include <new>
 #include <string>
 
 #include "io_image.h"
 
-/* Rows that are converted at a time: small enough to stay in cache. */
-enum { BAKE_IO_BAND_ROWS = 64 };
+/* Rows that are read or written at a time: small enough to stay in cache.
+ * BAKE_BAND_ROWS=N in the environment sets another number, for tests. */
+int bake_io_band_rows(void);
 
 /* OpenImageIO's message on one line. */
 std::string bake_io_one_line(std::string text);
 
+enum bake_status bake_io_no_memory(struct bake_err *err, const char *name);
+
 /* To be called in a catch block: the exception as a failure. */
-enum bake_status bake_io_fail_exception(
-    struct bake_err *err, const std::string &name);
+enum bake_status bake_io_fail_exception(struct bake_err *err, const char *name);
+
+/*
+ * Whether an allocation failed meanwhile. OpenImageIO passes over some that do,
+ * and writes a file that lacks an attribute, or reads one without.
+ */
+class BakeMemoryWatch
+{
+      public:
+	BakeMemoryWatch() : before(std::set_new_handler(note))
+	{
+		seen = false;
+	}
+	~BakeMemoryWatch()
+	{
+		std::set_new_handler(before);
+	}
+	bool
+	failed() const
+	{
+		return seen;
+	}
+
+      private:
+	static inline std::atomic<bool> seen{ false };
+	std::new_handler before;
+
+	[[noreturn]] static void
+	note()
+	{
+		seen = true;
+		throw std::bad_alloc();
+	}
+};
 
 #endif

@@ -85,6 +85,9 @@ tga_comment(const struct bake_attrs *attrs)
 
 	for (int i = 0; i < attrs->n; i++) {
 		const struct bake_attr *a = &attrs->attr[i];
+
+		if (strncmp(a->name, "Recipe", 6) == 0)
+			continue; /* has a place of its own */
 		std::string one =
 		    std::string("relief:") + a->name + "=" + a->value + ";";
 		size_t used = text.size() % line;
@@ -97,6 +100,20 @@ tga_comment(const struct bake_attrs *attrs)
 			text += std::string(gap, ' ') + one;
 	}
 	return text;
+}
+
+/* A record stands in fields of 40 characters that nothing else needs: the
+ * job's and the software's name. What does not fit is left out. */
+void
+put_tga_record(ImageSpec &spec, const struct bake_attrs *attrs)
+{
+	const char *recipe = bake_attrs_get(attrs, "Recipe");
+	const char *files = bake_attrs_get(attrs, "RecipeFiles");
+
+	if (recipe != NULL && strlen(recipe) <= 40)
+		spec.attribute("DocumentName", recipe);
+	if (files != NULL && strlen(files) <= 40)
+		spec.attribute("Software", files);
 }
 
 void
@@ -118,6 +135,8 @@ put_attrs(ImageSpec &spec, const struct bake_write_params *params)
 	}
 	if (params->attrs.n == 0)
 		return;
+	if (params->type == BAKE_FILE_TGA)
+		put_tga_record(spec, &params->attrs);
 	bake_attrs_format(&params->attrs, line, sizeof line);
 	spec.attribute("ImageDescription", params->type == BAKE_FILE_TGA
 					       ? tga_comment(&params->attrs)
@@ -127,11 +146,13 @@ put_attrs(ImageSpec &spec, const struct bake_write_params *params)
 /* libpng's PNG_FILTER_PAETH */
 const int png_filter_paeth = 0x80;
 
-/* What is written: an image of floats, or pixels in a format of their own. */
+/* What is written: an image of floats, pixels in a format of their own, or
+ * rows that are made when they are asked for. */
 struct picture {
 	int width, height, nchans;
-	const struct bake_image *img; /* one of the two */
+	const struct bake_image *img; /* one of the three */
 	const struct bake_pixels *px;
+	const struct bake_row_source *rows;
 };
 
 ImageSpec
@@ -166,6 +187,14 @@ make_spec(const struct picture &pic, const struct bake_write_params *params)
 	spec.attribute("oiio:dither", 0);
 	if (params->type == BAKE_FILE_TIFF || params->type == BAKE_FILE_EXR)
 		spec.attribute("compression", "zip");
+	if (params->tile > 0) {
+		spec.tile_width = spec.tile_height = params->tile;
+		spec.tile_depth = 1;
+	}
+	/* offsets of 32 bits end at 4 GiB; deflate may add a little */
+	if (params->type == BAKE_FILE_TIFF &&
+	    spec.image_bytes(true) > (uint64_t)0xff << 24)
+		spec.attribute("tiff:bigtiff", 1);
 	put_attrs(spec, params);
 	return spec;
 }
@@ -181,13 +210,16 @@ band_to_codes(std::vector<unsigned char> &band, const float *in, size_t n,
 }
 
 /* Rows y .. end - 1 as floats. */
-void
-band_of_floats(
-    std::vector<float> &rows, const struct picture &pic, int y, int end)
+enum bake_status
+band_of_floats(std::vector<float> &rows, const struct picture &pic, int y,
+    int end, struct bake_err *err)
 {
 	size_t row = (size_t)pic.width * (size_t)pic.nchans;
 
 	rows.resize(row * (size_t)(end - y));
+	if (pic.rows != NULL)
+		return pic.rows->get(
+		    pic.rows->arg, y, end - y, rows.data(), err);
 	for (int i = y; i < end; i++) {
 		float *to = &rows[row * (size_t)(i - y)];
 
@@ -197,6 +229,7 @@ band_of_floats(
 			memcpy(to, bake_image_row(pic.img, i),
 			    row * sizeof(float));
 	}
+	return BAKE_OK;
 }
 
 /* A row of pixels as they are. */
@@ -209,21 +242,39 @@ pixel_row(const struct bake_pixels *px, int y)
 	return (const unsigned char *)px->data + row * (size_t)y;
 }
 
+/* Rows y .. end - 1, all of them in one call: whole rows of tiles, or
+ * scanlines. */
 bool
-write_all(ImageOutput *out, const struct picture &pic,
-    enum bake_data_format format, size_t *nclipped)
+put_band(ImageOutput *out, int y, int end, TypeDesc type, const void *data)
 {
-	size_t row = (size_t)pic.width * (size_t)pic.nchans;
+	const ImageSpec &spec = out->spec();
+
+	if (spec.tile_width > 0)
+		return out->write_tiles(
+		    0, spec.width, y, end, 0, 1, type, data);
+	return out->write_scanlines(y, end, 0, type, data);
+}
+
+/* BAKE_EIO without a message: what the image library has to say is known to
+ * the caller. */
+enum bake_status
+write_all(ImageOutput *out, const struct picture &pic,
+    const struct bake_write_params *params, size_t *nclipped,
+    struct bake_err *err)
+{
+	const enum bake_data_format format = params->data_format;
+	const size_t row = (size_t)pic.width * (size_t)pic.nchans;
+	const int step = params->tile > 0 ? params->tile : bake_io_band_rows();
 	bool codes = bake_data_format_max(format) != 0;
 	bool untouched = pic.px != NULL && pic.px->format == format;
 	std::vector<unsigned char> band;
 	std::vector<float> rows;
 
 	if (codes && !untouched)
-		band.resize(
-		    row * (size_t)BAKE_IO_BAND_ROWS * type_of(format).size());
-	for (int y = 0; y < pic.height; y += BAKE_IO_BAND_ROWS) {
-		int end = std::min(y + BAKE_IO_BAND_ROWS, pic.height);
+		band.resize(row * (size_t)std::min(step, pic.height) *
+			    type_of(format).size());
+	for (int y = 0; y < pic.height; y += step) {
+		int end = std::min(y + step, pic.height);
 		const void *data;
 		TypeDesc type =
 		    codes || untouched ? type_of(format) : TypeDesc::FLOAT;
@@ -231,7 +282,11 @@ write_all(ImageOutput *out, const struct picture &pic,
 		if (untouched) {
 			data = pixel_row(pic.px, y);
 		} else {
-			band_of_floats(rows, pic, y, end);
+			enum bake_status rc =
+			    band_of_floats(rows, pic, y, end, err);
+
+			if (rc != BAKE_OK)
+				return rc;
 			data = rows.data();
 		}
 		if (codes && !untouched) {
@@ -239,10 +294,10 @@ write_all(ImageOutput *out, const struct picture &pic,
 			    band, rows.data(), rows.size(), format);
 			data = band.data();
 		}
-		if (!out->write_scanlines(y, end, 0, type, data))
-			return false;
+		if (!put_band(out, y, end, type, data))
+			return BAKE_EIO;
 	}
-	return true;
+	return BAKE_OK;
 }
 
 enum bake_status
@@ -254,6 +309,7 @@ write_stream(const struct picture &pic, const struct bake_write_params *params,
 	std::unique_ptr<ImageOutput> out =
 	    ImageOutput::create(plugin_of(params->type));
 	ImageSpec spec = make_spec(pic, params);
+	enum bake_status rc = BAKE_EIO;
 	bool done;
 
 	if (!out)
@@ -261,9 +317,11 @@ write_stream(const struct picture &pic, const struct bake_write_params *params,
 		    "%s: this OpenImageIO was built without %s", name,
 		    plugin_of(params->type));
 	spec.attribute("oiio:ioproxy", TypeDesc::PTR, &pointer);
-	done = out->open(name, spec) &&
-	       write_all(out.get(), pic, params->data_format, nclipped);
-	done = out->close() && done;
+	if (out->open(name, spec))
+		rc = write_all(out.get(), pic, params, nclipped, err);
+	if (rc != BAKE_OK && rc != BAKE_EIO)
+		return rc; /* the rows could not be made */
+	done = out->close() && rc == BAKE_OK;
 	errno = 0;
 	if ((fflush(stream) != 0 || ferror(stream)) && proxy.failure == 0)
 		proxy.failure = errno != 0 ? errno : EIO;
@@ -276,6 +334,41 @@ write_stream(const struct picture &pic, const struct bake_write_params *params,
 	return BAKE_OK;
 }
 
+/* What the type cannot hold, said before the image library says it in its own
+ * way, or writes what nobody can read. */
+enum bake_status
+check_picture(const struct picture &pic, const struct bake_write_params *params,
+    const char *name, struct bake_err *err)
+{
+	/* of 16 bits in TGA; libpng's own limit, readers' too; what OpenImageIO
+	 * takes of the others */
+	static const int sides[] = { 1000000, 65535, 1 << 20, 1 << 20 };
+	const char *type = bake_file_type_name(params->type);
+	const int side = sides[params->type];
+	const bool tiles =
+	    params->type == BAKE_FILE_TIFF || params->type == BAKE_FILE_EXR;
+
+	if (!bake_file_type_holds(params->type, params->data_format))
+		return bake_fail(err, BAKE_EINVAL, "%s: %s holds no %s values",
+		    name, type, bake_data_format_name(params->data_format));
+	if (pic.nchans > 4 && !tiles)
+		return bake_fail(err, BAKE_EINVAL,
+		    "%s: %s holds 4 channels, not %d", name, type, pic.nchans);
+	if (pic.width > side || pic.height > side)
+		return bake_fail(err, BAKE_EINVAL,
+		    "%s: %s holds at most %d texels a side, not %dx%d%s", name,
+		    type, side, pic.width, pic.height,
+		    tiles ? "" : "; tiff and exr hold more");
+	if (params->tile != 0 && !tiles)
+		return bake_fail(err, BAKE_EINVAL,
+		    "%s: %s has no tiles; tiff and exr have", name, type);
+	if (params->tile < 0 || params->tile % 16 != 0)
+		return bake_fail(err, BAKE_EINVAL,
+		    "%s: tiles of %d texels a side, expected a multiple of 16",
+		    name, params->tile);
+	return BAKE_OK;
+}
+
 enum bake_status
 write_picture(const struct picture &pic, const struct bake_write_params *params,
     FILE *stream, const char *name, size_t *nclipped, struct bake_err *err)
@@ -283,17 +376,14 @@ write_picture(const struct picture &pic, const struct bake_write_params *params,
 	size_t clipped = 0;
 	enum bake_status rc;
 
-	if (!bake_file_type_holds(params->type, params->data_format))
-		return bake_fail(err, BAKE_EINVAL, "%s: %s holds no %s values",
-		    name, bake_file_type_name(params->type),
-		    bake_data_format_name(params->data_format));
-	if (pic.nchans > 4 && params->type != BAKE_FILE_EXR &&
-	    params->type != BAKE_FILE_TIFF)
-		return bake_fail(err, BAKE_EINVAL,
-		    "%s: %s holds 4 channels, not %d", name,
-		    bake_file_type_name(params->type), pic.nchans);
+	if ((rc = check_picture(pic, params, name, err)) != BAKE_OK)
+		return rc;
 	try {
+		const BakeMemoryWatch memory;
+
 		rc = write_stream(pic, params, stream, name, &clipped, err);
+		if (memory.failed())
+			rc = bake_io_no_memory(err, name);
 	} catch (...) {
 		rc = bake_io_fail_exception(err, name);
 	}
@@ -310,7 +400,7 @@ bake_image_write(const struct bake_image *img,
     size_t *nclipped, struct bake_err *err)
 {
 	const struct picture pic = { img->width, img->height, img->nchans, img,
-		NULL };
+		NULL, NULL };
 
 	return write_picture(pic, params, stream, name, nclipped, err);
 }
@@ -321,7 +411,18 @@ bake_pixels_write(const struct bake_pixels *px,
     size_t *nclipped, struct bake_err *err)
 {
 	const struct picture pic = { px->width, px->height, px->nchans, NULL,
-		px };
+		px, NULL };
+
+	return write_picture(pic, params, stream, name, nclipped, err);
+}
+
+enum bake_status
+bake_rows_write(const struct bake_row_source *rows,
+    const struct bake_write_params *params, FILE *stream, const char *name,
+    size_t *nclipped, struct bake_err *err)
+{
+	const struct picture pic = { rows->width, rows->height, rows->nchans,
+		NULL, NULL, rows };
 
 	return write_picture(pic, params, stream, name, nclipped, err);
 }

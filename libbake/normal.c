@@ -44,15 +44,10 @@ put_normal(float *n, const struct slopes *s, int l, int x, int r)
 	n[2] = (float)(1 / len);
 }
 
-enum bake_status
-bake_normal_from_depth(const struct bake_image *depth, double depth_scale,
-    struct bake_wrap wrap, enum bake_slope_op op, int nthreads,
-    struct bake_image *normal, struct bake_err *err)
+static enum bake_status
+check_depth(const struct bake_image *depth, double depth_scale,
+    enum bake_slope_op op, struct bake_err *err)
 {
-	struct bake_image out = BAKE_IMAGE_INIT;
-	const int w = depth->width, h = depth->height;
-	enum bake_status rc;
-
 	if (depth->data == NULL || depth->nchans != 1)
 		return bake_fail(err, BAKE_EINVAL,
 		    "a depth map has 1 channel, this image has %d",
@@ -63,16 +58,35 @@ bake_normal_from_depth(const struct bake_image *depth, double depth_scale,
 	if (op != BAKE_SLOPE_CENTRAL && op != BAKE_SLOPE_SCHARR)
 		return bake_fail(
 		    err, BAKE_EINVAL, "%d is no slope operator", (int)op);
-	if ((rc = bake_image_alloc(&out, w, h, 3, err)) != BAKE_OK)
+	return BAKE_OK;
+}
+
+enum bake_status
+bake_normal_rows_from_depth(const struct bake_image *depth, double depth_scale,
+    struct bake_wrap wrap, enum bake_slope_op op, int nthreads, int first,
+    struct bake_image *rows, struct bake_err *err)
+{
+	const int w = depth->width, h = depth->height;
+	enum bake_status rc;
+
+	if ((rc = check_depth(depth, depth_scale, op, err)) != BAKE_OK)
 		return rc;
+	if (rows->data == NULL || rows->nchans != 3 || rows->width != w ||
+	    first < 0 || rows->height > h - first)
+		return bake_fail(err, BAKE_EINVAL,
+		    "rows %d to %d of %d texels do not fit a depth map of "
+		    "%dx%d",
+		    first, first + rows->height - 1, rows->width, w, h);
 #pragma omp parallel for schedule(static) num_threads(bake_threads(nthreads))
-	for (int y = 0; y < h; y++) {
-		const int yu = bake_wrap_index((long)y - 1, h, wrap.clamp_v);
-		const int yd = bake_wrap_index((long)y + 1, h, wrap.clamp_v);
+	for (int i = 0; i < rows->height; i++) {
+		const long y = (long)first + i;
+		const int yu = bake_wrap_index(y - 1, h, wrap.clamp_v);
+		const int yd = bake_wrap_index(y + 1, h, wrap.clamp_v);
 		const struct slopes s = { bake_image_row(depth, yu),
-			bake_image_row(depth, y), bake_image_row(depth, yd),
-			0.5 * w * depth_scale, op == BAKE_SLOPE_SCHARR };
-		float *n = bake_image_row(&out, y);
+			bake_image_row(depth, (int)y),
+			bake_image_row(depth, yd), 0.5 * w * depth_scale,
+			op == BAKE_SLOPE_SCHARR };
+		float *n = bake_image_row(rows, i);
 		const int last = w - 1;
 
 		put_normal(n, &s, bake_wrap_index(-1, w, wrap.clamp_u), 0,
@@ -83,8 +97,26 @@ bake_normal_from_depth(const struct bake_image *depth, double depth_scale,
 			put_normal(n + (size_t)last * 3, &s, last - 1, last,
 			    bake_wrap_index(w, w, wrap.clamp_u));
 	}
-	*normal = out;
 	return BAKE_OK;
+}
+
+enum bake_status
+bake_normal_from_depth(const struct bake_image *depth, double depth_scale,
+    struct bake_wrap wrap, enum bake_slope_op op, int nthreads,
+    struct bake_image *normal, struct bake_err *err)
+{
+	struct bake_image out = BAKE_IMAGE_INIT;
+	enum bake_status rc;
+
+	if ((rc = check_depth(depth, depth_scale, op, err)) != BAKE_OK ||
+	    (rc = bake_image_alloc(
+		 &out, depth->width, depth->height, 3, err)) != BAKE_OK)
+		return rc;
+	rc = bake_normal_rows_from_depth(
+	    depth, depth_scale, wrap, op, nthreads, 0, &out, err);
+	if (rc == BAKE_OK)
+		*normal = out;
+	return rc;
 }
 
 /* Returns 1 where the vector had to be replaced. */

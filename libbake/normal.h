@@ -53,6 +53,17 @@ BAKE_API enum bake_status bake_normal_from_depth(const struct bake_image *depth,
     int nthreads, struct bake_image *normal, struct bake_err *err);
 
 /*
+ * The same of some rows: row i of `rows`, an image of depth's width and 3
+ * channels that is the caller's, becomes row first + i of the map's normals.
+ *
+ * BAKE_EINVAL  as above, or the rows are not all in the map
+ */
+BAKE_API enum bake_status bake_normal_rows_from_depth(
+    const struct bake_image *depth, double depth_scale, struct bake_wrap wrap,
+    enum bake_slope_op op, int nthreads, int first, struct bake_image *rows,
+    struct bake_err *err);
+
+/*
  * Bring a map of signed normals to unit length, in place.
  *   3 channels  n / |n|; a vector that is zero, or so short or long that its
  *               direction is not known (|n| outside 1e-18 .. 1e18, or not

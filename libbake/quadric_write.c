@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "quadric_write.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -72,6 +73,12 @@ model_name(const struct bake_quadric_table *t)
 	return t->params->model == BAKE_QUADRIC_FULL ? "full" : "ab";
 }
 
+static bool
+is_text(const char *text)
+{
+	return text != NULL && text[0] != '\0';
+}
+
 /* -- text ------------------------------------------------------------------ */
 
 enum bake_status
@@ -128,6 +135,11 @@ bake_quadric_write_json(
 	fprintf(fp, "\"frame\": \"%s\",\n", table->frame);
 	put_number(fp, "depth_scale", p->depth_scale);
 	put_number_or_null(fp, "depth", p->depth);
+	if (is_text(table->record))
+		fprintf(fp, "\"relief:Recipe\": \"%s\",\n", table->record);
+	if (is_text(table->record_list))
+		fprintf(fp, "\"relief:RecipeFiles\": \"%s\",\n",
+		    table->record_list);
 	fputs("\"corners\": [", fp);
 	for (size_t i = 0; i < table->frames->nframes; i++) {
 		double v[NCOLUMNS];
@@ -188,6 +200,10 @@ put_ply_header(FILE *fp, const struct bake_quadric_table *t)
 		      text, p->depth > 0 ? p->depth : p->depth_scale) -
 		  text),
 	    text);
+	if (is_text(t->record))
+		fprintf(fp, "comment relief:Recipe=%s\n", t->record);
+	if (is_text(t->record_list))
+		fprintf(fp, "comment relief:RecipeFiles=%s\n", t->record_list);
 	fprintf(fp, "element vertex %zu\n", t->frames->nframes);
 	for (int c = 0; c < NCOLUMNS; c++)
 		fprintf(fp, "property %s %s\n", kinds[columns[c].kind],

@@ -19,6 +19,8 @@ struct bake_quadric_table {
 	const struct bake_quadric *quadrics;
 	const struct bake_quadric_params *params;
 	const char *frame;
+	/* a record (record.h) to stand in JSON and PLY, or NULL; "" is none */
+	const char *record, *record_list;
 };
 
 /*
@@ -33,8 +35,9 @@ struct bake_quadric_table {
  *
  *   tsv   one line with the names, then one a row; tabs
  *   json  one object: sign, model, order, ring (null: the default), frame,
- *         depth_scale, depth (null: none), and corners, an array of objects
- *         with the columns as keys, one a line
+ *         depth_scale, depth (null: none), relief:Recipe and
+ *         relief:RecipeFiles where there is a record, and corners, an array of
+ *         objects with the columns as keys, one a line
  *   ply   binary, little-endian: element vertex with the columns as
  *         properties (v, vt int; hand char; rank uchar; all others double),
  *         then s, t where the mesh has UVs; element face with

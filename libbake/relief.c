@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "relief.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,7 +38,7 @@ format_list(char *text, size_t size, const double *v, int n, int digits)
 static void
 set_list(struct bake_attrs *attrs, const char *name, const double *v, int n)
 {
-	char text[BAKE_ATTR_VALUE];
+	char text[128];
 
 	for (int digits = 6; digits >= 3; digits--)
 		if (format_list(text, sizeof text, v, n, digits)) {
@@ -126,7 +127,7 @@ positive(const char *text)
 	if (text == NULL)
 		return 0;
 	v = strtod(text, &end);
-	return *end == '\0' && v > 0 && !isinf(v) ? v : 0;
+	return *end == '\0' && v > 0 && v <= FLT_MAX ? v : 0;
 }
 
 /* Positive numbers, inf among them, separated by commas; *n is 0 where a text

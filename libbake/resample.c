@@ -229,9 +229,16 @@ resample_row4(float *dst, int width, const struct taps *t, const double *buf)
 	}
 }
 
+/* Rows from[i] of the source to rows to[i] of dst; NULL: all, i to i. */
+struct row_list {
+	const int *from, *to;
+	int n;
+};
+
 static enum bake_status
 pass_rows(struct bake_image *dst, const struct bake_image *src,
-    const struct taps *t, bool clamp, int nt, struct bake_err *err)
+    const struct row_list *list, const struct taps *t, bool clamp, int nt,
+    struct bake_err *err)
 {
 	size_t row;
 	double *buf;
@@ -244,16 +251,18 @@ pass_rows(struct bake_image *dst, const struct bake_image *src,
 	if (buf == NULL)
 		return BAKE_ENOMEM;
 #pragma omp parallel for schedule(static) num_threads(nt)
-	for (int y = 0; y < src->height; y++) {
+	for (int i = 0; i < list->n; i++) {
+		const int y = list->from != NULL ? list->from[i] : i;
+		float *out =
+		    bake_image_row(dst, list->to != NULL ? list->to[i] : i);
 		double *p = buf + (size_t)omp_get_thread_num() * row;
 
 		widen_row(p, bake_image_row(src, y), src->width, src->nchans,
 		    t->max, clamp);
 		if (src->nchans == 4)
-			resample_row4(bake_image_row(dst, y), dst->width, t, p);
+			resample_row4(out, dst->width, t, p);
 		else
-			resample_row(bake_image_row(dst, y), dst->width,
-			    src->nchans, t, p);
+			resample_row(out, dst->width, src->nchans, t, p);
 	}
 	free(buf);
 	return BAKE_OK;
@@ -296,6 +305,13 @@ struct bake_resampler {
 	int width, height;
 	bool copies_u, copies_v;
 	float *range; /* lowest [nchans], highest [nchans]; NULL: not clamped */
+	int nthreads;
+	/* where mid holds the rows of one window alone */
+	int window_rows; /* of the result; 0: mid has all rows */
+	int *slot;       /* [src.height]: the row's place in mid; -1: none */
+	int *stamp;      /* [src.height]: the last window that needs it */
+	int *held;       /* [mid.height]: the row in that place; -1: none */
+	int *from, *to;  /* [mid.height]: what is to be made */
 };
 
 /* Whether each destination texel is one source texel. */
@@ -326,13 +342,113 @@ init_taps(struct bake_resampler *r, const struct bake_resample_params *p,
 	return BAKE_OK;
 }
 
+/* The source's k-th row of those that row y of the result is made of. */
+static int
+source_row(const struct bake_resampler *r, int y, int k)
+{
+	return bake_wrap_index(
+	    (long)r->ty.start[y] + k, r->src.height, r->wrap.clamp_v);
+}
+
+/* Stamp the rows that the window from row y on needs; returns how many. */
+static int
+stamp_rows(struct bake_resampler *r, int y, int stamp)
+{
+	const int end =
+	    y + r->window_rows < r->height ? y + r->window_rows : r->height;
+	int n = 0;
+
+	for (; y < end; y++)
+		for (int k = 0; k < r->ty.count[y]; k++) {
+			int *at = &r->stamp[source_row(r, y, k)];
+
+			n += *at != stamp;
+			*at = stamp;
+		}
+	return n;
+}
+
+/* Room for the rows of the window that needs the most. */
+static enum bake_status
+alloc_window(struct bake_resampler *r, struct bake_err *err)
+{
+	const size_t h = (size_t)r->src.height;
+	int most = 0;
+	enum bake_status rc;
+
+	r->slot = bake_alloc(h, sizeof *r->slot, err);
+	r->stamp = bake_alloc(h, sizeof *r->stamp, err);
+	if (r->slot == NULL || r->stamp == NULL)
+		return BAKE_ENOMEM;
+	for (size_t i = 0; i < h; i++)
+		r->slot[i] = r->stamp[i] = -1;
+	for (int y = 0; y < r->height; y += r->window_rows) {
+		const int n = stamp_rows(r, y, y);
+
+		most = n > most ? n : most;
+	}
+	for (size_t i = 0; i < h; i++)
+		r->stamp[i] = -1;
+	r->held = bake_alloc((size_t)most, sizeof *r->held, err);
+	r->from = bake_alloc((size_t)most, sizeof *r->from, err);
+	r->to = bake_alloc((size_t)most, sizeof *r->to, err);
+	if (r->held == NULL || r->from == NULL || r->to == NULL)
+		return BAKE_ENOMEM;
+	rc = bake_image_alloc(&r->mid, r->width, most, r->src.nchans, err);
+	for (int i = 0; rc == BAKE_OK && i < most; i++)
+		r->held[i] = -1;
+	return rc;
+}
+
+/* Give each row of the window a place that none of its other rows has; rows
+ * that are there already stay. Returns how many are to be made. */
+static int
+place_rows(struct bake_resampler *r, int y)
+{
+	const int end =
+	    y + r->window_rows < r->height ? y + r->window_rows : r->height;
+	const int stamp = y;
+	int n = 0, place = 0;
+
+	stamp_rows(r, y, stamp);
+	for (; y < end; y++)
+		for (int k = 0; k < r->ty.count[y]; k++) {
+			const int row = source_row(r, y, k);
+
+			if (r->slot[row] >= 0)
+				continue;
+			while (r->held[place] >= 0 &&
+			       r->stamp[r->held[place]] == stamp)
+				place++;
+			if (r->held[place] >= 0)
+				r->slot[r->held[place]] = -1;
+			r->held[place] = row;
+			r->slot[row] = place;
+			r->from[n] = row;
+			r->to[n++] = place;
+		}
+	return n;
+}
+
+enum bake_status
+bake_resampler_window(struct bake_resampler *r, int y, struct bake_err *err)
+{
+	struct row_list list = { r->from, r->to, 0 };
+
+	if (r->copies_u || r->window_rows == 0)
+		return BAKE_OK;
+	list.n = place_rows(r, y);
+	return pass_rows(
+	    &r->mid, &r->src, &list, &r->tx, r->wrap.clamp_u, r->nthreads, err);
+}
+
 /* What does not depend on the row. */
 static enum bake_status
 prepare(struct bake_resampler *r, const struct bake_resample_params *p,
     struct bake_err *err)
 {
 	const struct bake_image *src = &r->src;
-	const int nt = bake_threads(p->nthreads);
+	const struct row_list all = { NULL, NULL, src->height };
 	enum bake_status rc = init_taps(r, p, err);
 
 	if (rc != BAKE_OK)
@@ -346,10 +462,12 @@ prepare(struct bake_resampler *r, const struct bake_resample_params *p,
 	}
 	if (r->copies_u)
 		return BAKE_OK;
+	if (r->window_rows > 0)
+		return alloc_window(r, err);
 	rc = bake_image_alloc(&r->mid, r->width, src->height, src->nchans, err);
-	return rc != BAKE_OK
-		   ? rc
-		   : pass_rows(&r->mid, src, &r->tx, p->wrap.clamp_u, nt, err);
+	return rc != BAKE_OK ? rc
+			     : pass_rows(&r->mid, src, &all, &r->tx,
+				   p->wrap.clamp_u, r->nthreads, err);
 }
 
 enum bake_status
@@ -375,6 +493,8 @@ bake_resampler_open(struct bake_resampler **resampler,
 	r->wrap = params->wrap;
 	r->width = width;
 	r->height = height;
+	r->nthreads = bake_threads(params->nthreads);
+	r->window_rows = params->window_rows > 0 ? params->window_rows : 0;
 	rc = prepare(r, params, err);
 	if (rc == BAKE_OK)
 		*resampler = r;
@@ -392,6 +512,11 @@ bake_resampler_close(struct bake_resampler *r)
 	taps_free(&r->tx);
 	taps_free(&r->ty);
 	free(r->range);
+	free(r->slot);
+	free(r->stamp);
+	free(r->held);
+	free(r->from);
+	free(r->to);
 	free(r);
 }
 
@@ -422,18 +547,24 @@ column(const struct bake_resampler *r, int x)
 	       (size_t)r->src.nchans;
 }
 
+/* Row i of what the columns pass left: of the source where they are copies. */
+static const float *
+wide_row(const struct bake_resampler *r, int i)
+{
+	if (r->copies_u)
+		return bake_image_row(&r->src, i);
+	return bake_image_row(&r->mid, r->slot != NULL ? r->slot[i] : i);
+}
+
 static void
-sum_rows(const struct bake_resampler *r, const struct bake_image *from, int y,
-    double *acc)
+sum_rows(const struct bake_resampler *r, int y, double *acc)
 {
 	const size_t row = bake_resampler_scratch(r);
 	const struct taps *t = &r->ty;
 	const double *w = t->w + (size_t)y * (size_t)t->max;
 
 	for (int k = 0; k < t->count[y]; k++) {
-		const float *s =
-		    bake_image_row(from, bake_wrap_index((long)t->start[y] + k,
-					     from->height, r->wrap.clamp_v));
+		const float *s = wide_row(r, source_row(r, y, k));
 
 		for (size_t i = 0; i < row; i++)
 			acc[i] = k == 0 ? w[0] * s[i] : acc[i] + w[k] * s[i];
@@ -444,13 +575,11 @@ void
 bake_resampler_row(
     const struct bake_resampler *r, int y, float *row, double *scratch)
 {
-	const struct bake_image *from = r->copies_u ? &r->src : &r->mid;
 	const int nc = r->src.nchans, w = r->width;
-	const float *s = bake_image_row(from,
-	    bake_wrap_index(r->ty.start[y], from->height, r->wrap.clamp_v));
+	const float *s = wide_row(r, source_row(r, y, 0));
 
 	if (!r->copies_v)
-		sum_rows(r, from, y, scratch);
+		sum_rows(r, y, scratch);
 	if (r->copies_u)
 		for (int x = 0; x < w; x++) {
 			const size_t at = column(r, x);
@@ -470,35 +599,68 @@ bake_resampler_row(
 		clamp_row(row, w, nc, r->range, r->range + nc);
 }
 
+int
+bake_resample_window_rows(const struct bake_image *src, int width)
+{
+	const char *wish = getenv("BAKE_BAND_ROWS");
+	const int rows = wish != NULL ? (int)strtol(wish, NULL, 10) : 0;
+	const double bytes =
+	    (double)width * src->height * src->nchans * sizeof(float);
+
+	if (rows > 0)
+		return rows;
+	return bytes > BAKE_RESAMPLE_WHOLE ? 64 : 0;
+}
+
+static enum bake_status
+make_rows(struct bake_resampler *r, struct bake_image *out, double *scratch,
+    struct bake_err *err)
+{
+	const int step = r->window_rows > 0 ? r->window_rows : r->height;
+	const size_t n = bake_resampler_scratch(r);
+	enum bake_status rc = BAKE_OK;
+
+	for (int y0 = 0; rc == BAKE_OK && y0 < r->height; y0 += step) {
+		const int end = step < r->height - y0 ? y0 + step : r->height;
+
+		rc = bake_resampler_window(r, y0, err);
+		if (rc != BAKE_OK)
+			break;
+#pragma omp parallel for schedule(static) num_threads(r->nthreads)
+		for (int y = y0; y < end; y++)
+			bake_resampler_row(r, y, bake_image_row(out, y),
+			    scratch + (size_t)omp_get_thread_num() * n);
+	}
+	return rc;
+}
+
 enum bake_status
 bake_resample_mapped(const struct bake_image *src, int width, int height,
     const struct bake_resample_params *params, struct bake_image *dst,
     struct bake_err *err)
 {
-	const int nt = bake_threads(params->nthreads);
+	struct bake_resample_params p = *params;
 	struct bake_resampler *r;
 	struct bake_image out = BAKE_IMAGE_INIT;
 	double *scratch = NULL;
-	size_t n;
 	enum bake_status rc;
 
-	rc = bake_resampler_open(&r, src, width, height, params, err);
+	p.window_rows = bake_resample_window_rows(src, width);
+	rc = bake_resampler_open(&r, src, width, height, &p, err);
 	if (rc != BAKE_OK)
 		return rc;
-	n = bake_resampler_scratch(r);
 	rc = bake_image_alloc(&out, width, height, src->nchans, err);
 	if (rc != BAKE_OK)
 		goto out;
-	scratch = bake_alloc(n, (size_t)nt * sizeof *scratch, err);
+	scratch = bake_alloc(bake_resampler_scratch(r),
+	    (size_t)r->nthreads * sizeof *scratch, err);
 	if (scratch == NULL) {
 		rc = BAKE_ENOMEM;
 		goto out;
 	}
-#pragma omp parallel for schedule(static) num_threads(nt)
-	for (int y = 0; y < height; y++)
-		bake_resampler_row(r, y, bake_image_row(&out, y),
-		    scratch + (size_t)omp_get_thread_num() * n);
-	bake_image_swap(dst, &out);
+	rc = make_rows(r, &out, scratch, err);
+	if (rc == BAKE_OK)
+		bake_image_swap(dst, &out);
 out:
 	free(scratch);
 	bake_image_free(&out);

@@ -41,11 +41,12 @@ struct bake_resample_params {
 	double offset_u, offset_v; /* finite */
 	bool keep_overshoot;       /* do not clamp to the source's range */
 	int nthreads;              /* 0 = all processors */
+	int window_rows;           /* see bake_resampler_window; 0: all rows */
 };
 #define BAKE_RESAMPLE_PARAMS_DEFAULT                                           \
 	{                                                                      \
 		{ false, false }, BAKE_FILTER_CATMULL_ROM, 0, 0, 0, 0, false,  \
-		    0                                                          \
+		    0, 0                                                       \
 	}
 
 /*
@@ -72,8 +73,10 @@ struct bake_resample_params {
  *
  * BAKE_EINVAL  a size below 1, an unknown filter, a step below 0, or a step
  *              or offset that is not finite or beyond 1e8
- * BAKE_ENOMEM  scratch memory: a float image of width x src->height and the
- *              tables of weights (a destination texel's reach, 8 bytes each);
+ * BAKE_ENOMEM  scratch memory: a float image of width x src->height, or where
+ *              that has more than BAKE_RESAMPLE_WHOLE bytes what 64 rows of the
+ *              result need of it, and the tables of weights (a destination
+ *              texel's reach, 8 bytes each);
  *              on any failure dst stays BAKE_IMAGE_INIT
  *
  * Reentrant. Same bytes for every thread count.
@@ -114,6 +117,23 @@ BAKE_API enum bake_status bake_resampler_open(struct bake_resampler **resampler,
 BAKE_API size_t bake_resampler_scratch(const struct bake_resampler *r);
 BAKE_API void bake_resampler_row(
     const struct bake_resampler *r, int y, float *row, double *scratch);
+/*
+ * With params->window_rows = n > 0 the resampler holds no more of the resampled
+ * source than n rows of the result need. Before rows y .. y + n - 1 are asked
+ * for they are made ready by bake_resampler_window(r, y), while no thread asks
+ * for any. What two windows share is made once where one follows the other.
+ *
+ * BAKE_ENOMEM  no memory for a row; the resampler is then of no use
+ */
+BAKE_API enum bake_status bake_resampler_window(
+    struct bake_resampler *r, int y, struct bake_err *err);
+
+/* The window_rows to take for a source that is brought to that width: 0 where
+ * all of it takes at most BAKE_RESAMPLE_WHOLE bytes, else 64. BAKE_BAND_ROWS=N
+ * in the environment makes it N always, for tests. */
+#define BAKE_RESAMPLE_WHOLE 0x1p28
+BAKE_API int bake_resample_window_rows(const struct bake_image *src, int width);
+
 /* Whether every texel of the result is one texel of the source, bit for bit. */
 BAKE_API bool bake_resampler_copies(const struct bake_resampler *r);
 /* Harmless on NULL. */

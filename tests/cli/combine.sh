@@ -44,7 +44,7 @@ ok rm-combine base.png -w 0.3 -t 2 detail.png -o both.png
 ok rm-combine --layer-depth-scale 0.1 --normal n.png --depth d.png \
     --ao a.png -w 0.3 -t 2 --layer-depth-scale 0.02 --depth d2.png \
     --ao a2.png --normal n2.png -o plain.png
-same_bytes both.png plain.png
+same_result both.png plain.png
 
 check 'a second map of a kind begins a layer, and so does a packed texture'
 exits 0 rm-combine -v --normal n.png --depth d.png --ao a.png --depth d2.png \
@@ -54,7 +54,7 @@ exits 0 rm-combine -v --normal n.png --depth d.png --ao a.png --depth d2.png \
 check 'options belong to the layer that they precede, and end with it'
 ok rm-combine base.png -w 0.3 -t 2 detail.png -o a1.png
 ok rm-combine -o a2.out.png base.png --tile=2x2 --weight 0.3 detail.png
-same_bytes a1.png a2.out.png
+same_result a1.png a2.out.png
 rm a2.out.png
 ok rm-combine -w 0.3 -t 2 base.png detail.png -o b.png
 differ a1.png b.png
@@ -245,7 +245,7 @@ equal "$(codes c.png | sort -u)" '00 00 00' colour
 check 'the relief is the same whatever the colour'
 ok rm-combine base.png detail.png -o b.png
 ok rm-combine --color black.ppm base.png detail.png --color-out c.png -o m.png
-same_bytes b.png m.png
+same_result b.png m.png
 
 check 'the colour of one layer, at its own size, with its alpha'
 test_map ao 8 16x16 c8.png
@@ -323,7 +323,7 @@ refused 1 'its layout is normal' t.tiff
 refused 1 'empty.png' base.png empty.png
 
 check 'bad options'
-refused 2 'unknown or unclear option --tiles' base.png --tiles 2
+refused 2 'unknown or unclear option --tilez' base.png --tilez 2
 refused 2 'is followed by no layer' base.png -t 2
 refused 2 'is followed by no layer' --normal n.png --depth d.png --color x.png
 refused 2 "--normal-blend is 'add'" --normal-blend add base.png

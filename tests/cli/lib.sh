@@ -13,6 +13,7 @@
 #	stderr_one_line TEXT    one line on standard error, which holds TEXT
 #	stdout_empty, stderr_empty
 #	same_bytes A B, differ A B, absent FILE..., present FILE...
+#	same_result A B         the same but for the record of their recipes
 #	no_litter NAME...       the working folder holds just these names
 set -eu
 
@@ -137,8 +138,20 @@ same_bytes() {
 	cmp -s "$1" "$2" || bad "$1 and $2 differ"
 }
 
+# The same but for the record of what they were made of, and how
+# (rm-formats(5)): two recipes with one result.
+same_result() {
+	python3 "$top/tests/cli/unrecord.py" "$1" >"$PRIV/one"
+	python3 "$top/tests/cli/unrecord.py" "$2" >"$PRIV/two"
+	cmp -s "$PRIV/one" "$PRIV/two" ||
+		bad "$1 and $2 differ in more than their records"
+}
+
 differ() {
-	! cmp -s "$1" "$2" || bad "$1 and $2 are the same"
+	python3 "$top/tests/cli/unrecord.py" "$1" >"$PRIV/one"
+	python3 "$top/tests/cli/unrecord.py" "$2" >"$PRIV/two"
+	! cmp -s "$PRIV/one" "$PRIV/two" ||
+		bad "$1 and $2 are the same but for their records"
 }
 
 absent() {

@@ -274,7 +274,7 @@ ok rm-roughen --normal-map "$normal" --light 0,0,9 --model flat "$stone" \
 ok rm-roughen --normal-map "$normal" --light 0,1,1 "$stone" -o up.png
 ok rm-roughen --normal-map "$normal" --light 0,-1,1 --normal-y down "$stone" \
     -o down.png
-same_bytes up.png down.png
+same_result up.png down.png
 differ up.png front.png
 exits 0 rm-roughen --angle-map "$stone" rgb.png -o out.png
 stderr_one_line '256x256 is stretched to 96x64'
@@ -365,7 +365,7 @@ exits 0 rm-roughen --encoded --angle 60 --model flat bright.pfm -d uint8 \
     -o half.png
 stderr_one_line '1 values outside 0 to 1 were clipped'
 ok rm-roughen --angle 60 --model flat bright.pfm -o light.exr
-same_bytes light.exr half.exr
+same_result light.exr half.exr
 rm bright.pfm half.exr half.png light.exr
 
 check 'wrong usage'

@@ -1,0 +1,117 @@
+/* What a signal that ends the tool does: clean up, and die of it. */
+/* SPDX-License-Identifier: MIT */
+#include "cmd_signal.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "cmd.h"
+
+/* A handler has no other way to what it needs. */
+static pthread_t main_thread;
+static volatile sig_atomic_t bar_fd = -1, err_fd = STDERR_FILENO;
+static pid_t first; /* the process that began */
+
+static void
+die_of_it(int sig)
+{
+	int saved = errno;
+
+	if (!pthread_equal(pthread_self(), main_thread)) {
+		/* which may be putting a file in its place just now */
+		pthread_kill(main_thread, sig);
+	} else {
+		/* to a terminal that has gone there is nothing to say */
+		if (bar_fd >= 0 && write(bar_fd, "\r\033[K", 4) < 0)
+			bar_fd = -1;
+		signal(sig, SIG_DFL);
+		raise(sig); /* comes when this handler returns */
+	}
+	errno = saved;
+}
+
+static void
+put(const char *text)
+{
+	if (write((int)err_fd, text, strlen(text)) < 0)
+		err_fd = STDERR_FILENO; /* nobody can be told */
+}
+
+_Noreturn void
+cmd_die(const char *reason)
+{
+	put(program_invocation_short_name);
+	put(": ");
+	put(reason);
+	put("\n");
+	_exit(CMD_EXIT_FAIL);
+}
+
+static void
+crash(int sig)
+{
+	struct rlimit core;
+
+	if (getrlimit(RLIMIT_CORE, &core) == 0 && core.rlim_cur > 0) {
+		signal(sig, SIG_DFL);
+		raise(sig);
+		return;
+	}
+	cmd_die(sig == SIGABRT ? "a library gave up: no memory?"
+			       : "crashed: no memory, or a broken file?");
+}
+
+/* Not where a sanitizer sees to it. */
+static void
+catch_crashes(bool worker)
+{
+	static const int signals[] = { SIGABRT, SIGBUS, SIGFPE, SIGILL,
+		SIGSEGV };
+	struct sigaction act = { .sa_handler = crash }, old;
+
+	for (int i = 0; i < (int)(sizeof signals / sizeof *signals); i++) {
+		if (sigaction(signals[i], NULL, &old) != 0)
+			continue;
+		if (worker && old.sa_handler == crash)
+			signal(signals[i], SIG_DFL);
+		else if (!worker && old.sa_handler == SIG_DFL)
+			sigaction(signals[i], &act, NULL);
+	}
+}
+
+void
+cmd_signals_start(void)
+{
+	static const int signals[] = { SIGHUP, SIGINT, SIGQUIT, SIGTERM,
+		SIGUSR1, SIGUSR2, SIGXCPU };
+	struct sigaction die = { .sa_handler = die_of_it,
+		.sa_flags = SA_RESTART };
+	struct sigaction old;
+
+	main_thread = pthread_self();
+	bar_fd = -1; /* in a worker: it is the batch's */
+	for (int i = 0; i < (int)(sizeof signals / sizeof *signals); i++)
+		if (sigaction(signals[i], NULL, &old) == 0 &&
+		    old.sa_handler != SIG_IGN)
+			sigaction(signals[i], &die, NULL);
+	signal(SIGXFSZ, SIG_IGN);
+	if (first == 0)
+		first = getpid();
+	catch_crashes(getpid() != first);
+}
+
+void
+cmd_signals_speak(int fd)
+{
+	err_fd = fd;
+}
+
+void
+cmd_signals_bar(int fd)
+{
+	bar_fd = fd;
+}
