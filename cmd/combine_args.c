@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cmd_recipe.h"
+#include "cmd_signal.h"
 #include "cmd_target.h"
 #include "combine_tool.h"
 
@@ -122,44 +123,42 @@ const struct cmd_mark combine_marks[] = {
 
 /* -- layers --------------------------------------------------------------- */
 
-bool
-combine_end_layer(struct cmd *cmd, struct combine_opts *o)
+void
+combine_end_layer(struct combine_opts *o)
 {
 	struct combine_layer *more =
 	    realloc(o->layer, ((size_t)o->n + 1) * sizeof *o->layer);
 
-	if (more == NULL) {
-		cmd_error(cmd, "no memory");
-		return false;
-	}
+	if (more == NULL)
+		cmd_die("no memory");
 	o->layer = more;
 	o->layer[o->n++] = o->next;
 	o->next = (struct combine_layer)COMBINE_LAYER_INIT;
 	o->has_maps = false;
 	o->pending = NULL;
-	return true;
 }
 
 static bool
-add_packed(struct cmd *cmd, struct combine_opts *o, const char *arg)
+add_packed(struct combine_opts *o, const char *arg)
 {
-	if (o->has_maps && !combine_end_layer(cmd, o))
-		return false;
+	if (o->has_maps)
+		combine_end_layer(o);
 	o->next.packed = arg;
-	return combine_end_layer(cmd, o);
+	combine_end_layer(o);
+	return true;
 }
 
 /* A second map of a kind begins another layer. */
 static bool
-add_map(struct cmd *cmd, struct combine_opts *o, int key, const char *arg)
+add_map(struct combine_opts *o, int key, const char *arg)
 {
 	struct combine_layer *l = &o->next;
 	bool again = key == KEY_AO      ? l->ao != NULL || l->no_ao
 		     : key == KEY_DEPTH ? l->depth != NULL
 					: l->normal != NULL;
 
-	if (o->has_maps && again && !combine_end_layer(cmd, o))
-		return false;
+	if (o->has_maps && again)
+		combine_end_layer(o);
 	if (key == KEY_DEPTH)
 		l->depth = arg;
 	else if (key == KEY_NORMAL)
@@ -402,13 +401,13 @@ combine_set(struct cmd *cmd, int key, const char *arg)
 	const char *name = layer_option_name(key);
 
 	if (key == CMD_KEY_OPERAND)
-		return add_packed(cmd, o, arg);
+		return add_packed(o, arg);
 	if (key == KEY_AO || key == KEY_DEPTH || key == KEY_NORMAL)
-		return add_map(cmd, o, key, arg);
+		return add_map(o, key, arg);
 	if (name == NULL)
 		return set_whole(cmd, o, key, arg);
-	if (o->has_maps && !combine_end_layer(cmd, o))
-		return false;
+	if (o->has_maps)
+		combine_end_layer(o);
 	o->pending = name;
 	return set_layer_option(cmd, o, key, arg);
 }

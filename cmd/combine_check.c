@@ -126,8 +126,8 @@ colors_are_clear(const struct cmd *cmd, const struct combine_opts *o)
 bool
 combine_args_are_clear(struct cmd *cmd, struct combine_opts *o)
 {
-	if (o->has_maps && !combine_end_layer(cmd, o))
-		return false;
+	if (o->has_maps)
+		combine_end_layer(o);
 	if (o->pending != NULL)
 		return cmd_usage_error(cmd,
 		    "--%s is followed by no layer: a layer's options stand "

@@ -59,9 +59,8 @@ struct combine_opts {
 extern const struct cmd_option combine_options[];
 extern const struct cmd_mark combine_marks[];
 bool combine_set(struct cmd *cmd, int key, const char *arg);
-/* The layer that is being put together is whole; the next one begins. False,
- * the reason printed, where memory runs out. */
-bool combine_end_layer(struct cmd *cmd, struct combine_opts *o);
+/* The layer that is being put together is whole; the next one begins. */
+void combine_end_layer(struct combine_opts *o);
 /* The last layer is whole, and what was asked for makes sense: a usage error
  * otherwise. */
 bool combine_args_are_clear(struct cmd *cmd, struct combine_opts *o);

@@ -59,6 +59,54 @@ get_text(struct scan *s, char text[NAME_MAX_BYTES])
 	return false;
 }
 
+/*
+ * Whether an attribute's value has the size that its type has: the library
+ * reads what the type takes, whatever the size says, and would go on at another
+ * place than we. A preview says itself how large it is.
+ */
+static bool
+fits_type(struct scan *s, const char *type, size_t size)
+{
+	static const struct {
+		const char *type;
+		size_t size;
+	} fixed[] = {
+		{ "box2f", 16 },
+		{ "box2i", 16 },
+		{ "chromaticities", 32 },
+		{ "compression", 1 },
+		{ "double", 8 },
+		{ "envmap", 1 },
+		{ "float", 4 },
+		{ "int", 4 },
+		{ "keycode", 28 },
+		{ "lineOrder", 1 },
+		{ "m33d", 72 },
+		{ "m33f", 36 },
+		{ "m44d", 128 },
+		{ "m44f", 64 },
+		{ "rational", 8 },
+		{ "tiledesc", 9 },
+		{ "timecode", 8 },
+		{ "v2d", 16 },
+		{ "v2f", 8 },
+		{ "v2i", 8 },
+		{ "v3d", 24 },
+		{ "v3f", 12 },
+		{ "v3i", 12 },
+	};
+	unsigned char b[8];
+
+	for (size_t i = 0; i < sizeof fixed / sizeof *fixed; i++)
+		if (strcmp(type, fixed[i].type) == 0)
+			return size == fixed[i].size;
+	if (strcmp(type, "preview") != 0)
+		return true;
+	return size >= sizeof b &&
+	       s->source->read(s->source->context, s->at, b, sizeof b) &&
+	       (uint64_t)little(b) * little(b + 4) == (size - sizeof b) / 4;
+}
+
 /* The attributes that say how much there is. */
 static bool
 note_attribute(struct scan *s, const char *name, size_t size)
@@ -144,7 +192,7 @@ scan_header(struct scan *s, bool *empty, struct bake_err *err)
 			return corrupt(s, err);
 		size = little(b);
 		if (size > s->source->size - s->at ||
-		    !note_attribute(s, name, size))
+		    !fits_type(s, type, size) || !note_attribute(s, name, size))
 			return corrupt(s, err);
 		s->at += size;
 	}

@@ -25,8 +25,9 @@ struct bake_exr_source {
 /*
  * Walk over the headers, whose sizes the library would allocate as they say.
  *
- * BAKE_EDATA   no EXR file; an attribute longer than the file; a window or
- *              tiles whose table of chunks the file has no room for
+ * BAKE_EDATA   no EXR file; an attribute longer than the file, or of another
+ *              size than its type has; a window or tiles whose table of chunks
+ *              the file has no room for
  * BAKE_ELIMIT  more texels than the limits; more than BAKE_EXR_PARTS parts
  *
  * Source: 'OpenEXR File Layout', openexr.com, sections 'Header' and 'Offset

@@ -34,20 +34,38 @@ struct spot {
 	const float *texels, *windows;
 };
 
+/* Texel (x, y) of a chunk's origin. */
+static inline void
+find_texel(const struct march *m, const struct bake_horizon_place *place,
+    int *x, int *y)
+{
+	const struct bake_horizon *hz = m->hz;
+
+	*x = bake_horizon_wrap(
+	    m->x0 + place->x, hz->heights.width, hz->wrap.clamp_u, hz->left);
+	*y = bake_horizon_wrap(
+	    m->y0 + place->y, hz->heights.height, hz->wrap.clamp_v, hz->top);
+}
+
+static inline const float *
+texels_at(const struct bake_horizon *hz, int x, int y)
+{
+	return hz->heights.data +
+	       (ptrdiff_t)y * (ptrdiff_t)hz->heights.row_stride + x;
+}
+
 static inline struct spot
 find_spot(const struct march *m, const struct bake_horizon_place *place)
 {
 	const struct bake_horizon *hz = m->hz;
-	const int x = bake_horizon_wrap(
-	    m->x0 + place->x, hz->heights.width, hz->wrap.clamp_u, hz->left);
-	const int y = bake_horizon_wrap(
-	    m->y0 + place->y, hz->heights.height, hz->wrap.clamp_v, hz->top);
-	const unsigned px = (unsigned)(x + hz->left) / 2;
-	const unsigned py = (unsigned)(y + hz->top) / 2;
+	unsigned px, py;
+	int x, y;
 
+	find_texel(m, place, &x, &y);
+	px = (unsigned)(x + hz->left) / 2;
+	py = (unsigned)(y + hz->top) / 2;
 	return (struct spot){
-		hz->heights.data +
-		    (ptrdiff_t)y * (ptrdiff_t)hz->heights.row_stride + x,
+		texels_at(hz, x, y),
 		hz->windows.data +
 		    ((size_t)py * BAKE_WINDOW_PHASES +
 			px % BAKE_WINDOW_PHASES) *
@@ -259,10 +277,13 @@ static INLINE void
 march_dense(const struct march *m, long c, const bool x_major)
 {
 	const struct bake_horizon *hz = m->hz;
-	const struct spot spot = find_spot(m, &hz->places[c]);
+	int x, y;
 
+	/* the near field has no windows */
+	find_texel(m, &hz->places[c], &x, &y);
 	for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
-		march_packet(m, &hz->chunks[c], spot.texels, p, x_major);
+		march_packet(
+		    m, &hz->chunks[c], texels_at(hz, x, y), p, x_major);
 }
 
 static INLINE void

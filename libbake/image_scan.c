@@ -78,12 +78,57 @@ scan_dpx(const struct bake_exr_source *source, const char *name,
 	return BAKE_OK;
 }
 
+/* Colour table and resources, each after its length. */
+static enum bake_status
+scan_psd(const struct bake_exr_source *source, const char *name,
+    struct bake_err *err)
+{
+	size_t at = 26;
+
+	for (int i = 0; i < 2; i++) {
+		unsigned char b[4];
+		size_t size;
+
+		if (!source->read(source->context, at, b, sizeof b))
+			return BAKE_OK;
+		at += sizeof b;
+		size = (size_t)b[0] << 24 | (size_t)b[1] << 16 |
+		       (size_t)b[2] << 8 | b[3];
+		if (size > source->size - at)
+			return bake_fail(err, BAKE_EDATA,
+			    "%s: a section of %zu bytes in a file of %zu", name,
+			    size, source->size);
+		at += size;
+	}
+	return BAKE_OK;
+}
+
+/* Plain texels of no bits are decoded without end. */
+static enum bake_status
+scan_dds(const struct bake_exr_source *source, const char *name,
+    struct bake_err *err)
+{
+	enum { FLAGS = 80, BITS = 88, FOURCC = 4 };
+	unsigned char flags, b[4];
+
+	if (source->read(source->context, FLAGS, &flags, 1) &&
+	    source->read(source->context, BITS, b, sizeof b) &&
+	    !(flags & FOURCC) &&
+	    (b[0] < 1 || b[0] > 32 || b[1] || b[2] || b[3]))
+		return bake_fail(err, BAKE_EDATA,
+		    "%s: the DDS header has texels of no or too many bits",
+		    name);
+	return BAKE_OK;
+}
+
 enum bake_status
 bake_image_scan(enum bake_image_kind kind, const struct bake_exr_source *source,
     const struct bake_read_limits *limits, const char *name,
     struct bake_err *err)
 {
 	switch (kind) {
+	case BAKE_KIND_DDS:
+		return scan_dds(source, name, err);
 	case BAKE_KIND_DPX:
 		return scan_dpx(source, name, err);
 	case BAKE_KIND_EXR:
@@ -92,6 +137,8 @@ bake_image_scan(enum bake_image_kind kind, const struct bake_exr_source *source,
 		return scan_gif(source, limits, name, err);
 	case BAKE_KIND_PNG:
 		return scan_png(source, name, err);
+	case BAKE_KIND_PSD:
+		return scan_psd(source, name, err);
 	default:
 		return BAKE_OK;
 	}

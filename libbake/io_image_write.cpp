@@ -300,6 +300,29 @@ write_all(ImageOutput *out, const struct picture &pic,
 	return BAKE_OK;
 }
 
+/* Whether a TIFF has its directory and its last strip. libtiff writes both when
+ * it closes the file, and nobody is told where it fails (for want of memory).
+ */
+bool
+tiff_is_whole(FILE *stream, const char *name)
+{
+	OIIO::Filesystem::IOFile file(stream, IOProxy::Read);
+	IOProxy *pointer = &file;
+	std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::create("tiff");
+	ImageSpec spec, config;
+	std::vector<unsigned char> row;
+
+	config.attribute("oiio:ioproxy", TypeDesc::PTR, &pointer);
+	rewind(stream);
+	if (!in || !in->open(name, spec, config))
+		return false;
+	if (spec.tile_width > 0) /* tiles are written as they come */
+		return true;
+	row.resize(spec.scanline_bytes(true));
+	return in->read_scanline(
+	    spec.y + spec.height - 1, 0, TypeDesc::UNKNOWN, row.data());
+}
+
 enum bake_status
 write_stream(const struct picture &pic, const struct bake_write_params *params,
     FILE *stream, const char *name, size_t *nclipped, struct bake_err *err)
@@ -331,6 +354,9 @@ write_stream(const struct picture &pic, const struct bake_write_params *params,
 	if (!done)
 		return bake_fail(err, BAKE_EIO, "%s: %s", name,
 		    bake_io_one_line(out->geterror()).c_str());
+	if (params->type == BAKE_FILE_TIFF && !tiff_is_whole(stream, name))
+		return bake_fail(
+		    err, BAKE_ENOMEM, "%s: no memory to write it", name);
 	return BAKE_OK;
 }
 

@@ -62,8 +62,10 @@ for tool in 'rm-rescale-ao --scale 2' 'rm-roughen --angle 60'; do
 	exits 1 timeout 300 $tool -q -O written many/*
 	nwritten=$(find written -type f | wc -l)
 	nnamed=$(grep -c "^${tool%% *}: many/[12]" "$PRIV/err")
-	[ "$nnamed" -eq "$(wc -l <"$PRIV/err")" ] ||
-		bad "not a line for each file: $(cat "$PRIV/err")"
+	[ $((nnamed + 1)) -eq "$(wc -l <"$PRIV/err")" ] ||
+		bad "not a line for each file and their number:" \
+		    "$(cat "$PRIV/err")"
+	stderr_has "^${tool%% *}: $nnamed of $((n - 100)) failed\$"
 	[ $((nwritten + nnamed)) -eq $((n - 100)) ] ||
 		bad "$nwritten written and $nnamed named of $((n - 100))"
 	rm -rf written

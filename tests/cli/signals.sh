@@ -3,6 +3,9 @@
 . "$LIB"
 need rm-pack rm-aobake rm-combine rm-rescale-ao rm-quadfit rm-multilayer \
     rm-roughen rm-info rm-render python3
+# SIGQUIT leaves no core here
+# shellcheck disable=SC3045
+ulimit -S -c 0
 
 # died SIGNAL COMMAND...: sent while it works, it is what the tool dies of
 cat >"$PRIV/died.py" <<'END'

@@ -1,15 +1,33 @@
 /* Fuzz target: any bytes as an image file of any kind. */
 /* SPDX-License-Identifier: MIT */
-#include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "fuzz.h"
 #include "io_image.h"
 #include "relief.h"
 #include "repair.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+/* The name's extension counts only where the bytes have no mark, which TGA and
+ * RLA have not. */
+static const char *
+name_of(const uint8_t *bytes, size_t size)
+{
+	return size >= 28 && bytes[26] == 0xff && bytes[27] == 0xfe ? "x.rla"
+								    : "x.tga";
+}
 
-static const char *const names[] = { "x", "x.tga", "x.dds", "x.hdr" };
+static void
+note(const struct bake_image_info *info, const char *text)
+{
+	char kind[128];
+
+	snprintf(kind, sizeof kind, "%s %d %d %d %d", info->container,
+	    info->nchans < 5 ? info->nchans : 5, info->data_format, info->bits,
+	    info->nsubimages > 1);
+	fuzz_note(kind, text);
+}
 
 int
 LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
@@ -24,10 +42,9 @@ LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 	struct bake_image_info info;
 	size_t nrepaired;
 
-	/* the name's extension counts only where the bytes have no mark */
-	if (bake_reader_open_memory(&reader, bytes, size,
-		names[size % (sizeof names / sizeof *names)], &limits, &info,
-		&err) != BAKE_OK)
+	memset(&info, 0, sizeof info);
+	if (bake_reader_open_memory(&reader, bytes, size, name_of(bytes, size),
+		&limits, &info, &err) != BAKE_OK)
 		goto out;
 	bake_relief_meta_from_attrs(&meta, &info.attrs);
 	if (bake_reader_read(reader, 0, info.nchans, &img, &err) != BAKE_OK)
@@ -37,6 +54,7 @@ LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 		abort();
 	bake_repair_nonfinite(&img, wrap, 1, &nrepaired, &err);
 out:
+	note(&info, err.msg);
 	if ((err.code == BAKE_OK) != (err.msg[0] == '\0'))
 		abort();
 	bake_image_free(&img);

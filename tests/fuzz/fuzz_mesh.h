@@ -4,12 +4,11 @@
 #define FUZZ_MESH_H
 
 #include <math.h>
-#include <stdint.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
+#include "fuzz.h"
 #include "mesh_frame.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 /* Coordinates for which frames are promised to be finite. */
 static inline int
@@ -47,9 +46,10 @@ check_triangles(const struct bake_mesh *m)
 
 /* Read it, then do with it all that tools begin with. */
 static inline void
-fuzz_mesh(const uint8_t *bytes, size_t size, const char *name)
+fuzz_mesh(const uint8_t *bytes, size_t size, const char *name, bool side_files)
 {
-	const struct bake_mesh_params params = { 1 << 20, 1 << 16, 0, false };
+	const struct bake_mesh_params params = { 1 << 20, 1 << 16, 0,
+		side_files };
 	struct bake_frame_params fp = BAKE_FRAME_PARAMS_DEFAULT;
 	struct bake_mesh m = BAKE_MESH_INIT;
 	struct bake_weld w = BAKE_WELD_INIT;
@@ -60,6 +60,7 @@ fuzz_mesh(const uint8_t *bytes, size_t size, const char *name)
 	int moderate;
 
 	rc = bake_mesh_read_memory(bytes, size, name, &params, &m, &err);
+	fuzz_note("", err.msg);
 	if ((rc == BAKE_OK) != (err.msg[0] == '\0') ||
 	    (rc == BAKE_OK) != (m.ntriangles > 0))
 		abort();

@@ -5,6 +5,6 @@
 int
 LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
-	fuzz_mesh(bytes, size, "x.obj");
+	fuzz_mesh(bytes, size, "x.obj", false);
 	return 0;
 }

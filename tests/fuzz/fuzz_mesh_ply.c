@@ -5,6 +5,6 @@
 int
 LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
-	fuzz_mesh(bytes, size, "x.ply");
+	fuzz_mesh(bytes, size, "x.ply", false);
 	return 0;
 }

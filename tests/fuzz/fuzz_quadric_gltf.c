@@ -73,6 +73,7 @@ LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 			if (bake_gltf_add(g, 0, 0, &a, &err) == BAKE_OK)
 				break;
 		}
+		bake_gltf_set_record(g, "record", size % 2 ? "list" : "", &err);
 		write_and_read(g, true);
 		write_and_read(g, false);
 	}
