@@ -41,7 +41,7 @@ int cmd_one(struct cmd *cmd, cmd_job_fn *job, void *arg);
 bool cmd_claim(struct cmd *cmd, const char *what, double bytes);
 
 /* Between these a file's bytes are in the hands of a library: in a worker, a
- * crash is then told as one of reading what, and its processor time is limited.
+ * crash is then told as one of reading. Its processor time is limited.
  * nbytes is the size of the file's content, as far as it is known. */
 void cmd_decode_begin(const struct cmd *cmd, double nbytes);
 void cmd_decode_end(const struct cmd *cmd);

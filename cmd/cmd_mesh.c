@@ -103,6 +103,7 @@ read_mesh_file(struct cmd *cmd, const char *path,
 		st.st_size = 0; /* the reader says what is wrong */
 	if (!cmd_claim(cmd, path, cmd->tool->texel_bytes * (double)st.st_size))
 		return false;
+	cmd_silence_libraries(cmd);
 	cmd_decode_begin(cmd, 16. * (double)st.st_size);
 	rc = bake_mesh_read(path, params, mesh, &err);
 	cmd_decode_end(cmd);

@@ -137,41 +137,53 @@ limit_memory(const struct cmd *cmd, int nthreads)
 /* -- decoding ---------------------------------------------------------------
  */
 
+/* What the process was allowed before a decoder was limited. */
+static struct rlimit allowed;
+
 static void
 limit_seconds(double more)
 {
 	struct rlimit lim;
 	struct rusage use;
 
-	if (getrlimit(RLIMIT_CPU, &lim) != 0 ||
+	if (getrlimit(RLIMIT_CPU, &allowed) != 0 ||
 	    getrusage(RUSAGE_SELF, &use) != 0)
 		return;
-	lim.rlim_cur = lim.rlim_max;
-	if (more > 0)
-		lim.rlim_cur = (rlim_t)((double)use.ru_utime.tv_sec +
-					(double)use.ru_stime.tv_sec + 1 + more);
+	lim = allowed;
+	more += (double)(use.ru_utime.tv_sec + use.ru_stime.tv_sec) + 1;
+	if (allowed.rlim_cur == RLIM_INFINITY ||
+	    more < (double)allowed.rlim_cur)
+		lim.rlim_cur = (rlim_t)more;
 	setrlimit(RLIMIT_CPU, &lim);
+}
+
+static void
+give_up(int sig)
+{
+	(void)sig;
+	cmd_die("reading a file took too long and was given up: is it broken?");
 }
 
 void
 cmd_decode_begin(const struct cmd *cmd, double nbytes)
 {
 	(void)cmd;
-	if (!worker.is)
-		return;
 	/* the slowest of decoders write a megabyte a second */
 	limit_seconds(60 + nbytes / 1e6);
-	tell(MESSAGE_DECODING, 1, 0, NULL);
+	/* a worker dies of it, and the batch tells */
+	signal(SIGXCPU, worker.is ? SIG_DFL : give_up);
+	if (worker.is)
+		tell(MESSAGE_DECODING, 1, 0, NULL);
 }
 
 void
 cmd_decode_end(const struct cmd *cmd)
 {
 	(void)cmd;
-	if (!worker.is)
-		return;
-	limit_seconds(0);
-	tell(MESSAGE_DECODING, 0, 0, NULL);
+	setrlimit(RLIMIT_CPU, &allowed);
+	signal(SIGXCPU, SIG_DFL);
+	if (worker.is)
+		tell(MESSAGE_DECODING, 0, 0, NULL);
 }
 
 /* -- progress ---------------------------------------------------------------

@@ -1,7 +1,7 @@
 # Many files in one run: order, failures, crashes, memory, --each.
 # SPDX-License-Identifier: MIT
 . "$LIB"
-need rm-aobake rm-info rm-pack rm-combine
+need rm-aobake rm-info rm-pack rm-combine rm-quadfit
 mkdir in one
 for n in 1 2 3; do
 	for f in woven stone; do
@@ -124,6 +124,21 @@ stone2.png
 woven1.png" ] || bad "written: $(ls many)"
 	fi
 fi
+
+check 'files that assimp 5.2 cannot stand, and the others'
+rm -rf many
+mkdir many
+exits 1 rm-quadfit --format ply -O many "$DATA/fuzz/lib/far_face.ase" \
+    "$DATA/torus.obj" "$DATA/fuzz/lib/no_corner.md5mesh" \
+    "$DATA/fuzz/lib/bad_crc.3mf"
+present many/torus.ply
+for f in far_face.ase no_corner.md5mesh bad_crc.3mf; do
+	[ "$(grep -c "^rm-quadfit: .*$f" "$PRIV/err")" -eq 1 ] ||
+		bad "not one line of $f: $(cat "$PRIV/err")"
+done
+stderr_has '^rm-quadfit: 3 of 4 failed$'
+[ "$(wc -l <"$PRIV/err")" -eq 4 ] || bad "$(cat "$PRIV/err")"
+rm -r many
 
 # a shell's background process ignores SIGINT
 check 'a signal ends a batch and its workers'

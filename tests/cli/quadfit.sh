@@ -366,11 +366,11 @@ was, old = gltf.load("in/m.gltf")
 for path in ("in/same.gltf", "out/other.gltf", "out/whole.glb"):
     doc, buffers = gltf.load(path)
     # but for the record of what it was made of
-    extras = doc["asset"].get("extras", {})
-    for k in ("relief:Recipe", "relief:RecipeFiles"):
-        extras.pop(k, None)
-    if not extras and "extras" not in was["asset"]:
-        doc["asset"].pop("extras", None)
+    for asset in (doc["asset"], was["asset"]):
+        for k in ("relief:Recipe", "relief:RecipeFiles"):
+            asset.get("extras", {}).pop(k, None)
+        if not asset.get("extras"):
+            asset.pop("extras", None)
     for k in was:
         if k not in ("accessors", "bufferViews", "buffers", "meshes",
                      "images"):
