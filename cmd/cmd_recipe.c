@@ -68,6 +68,21 @@ mark_of(const struct cmd *cmd, const char *option, const char *arg)
 	return 0;
 }
 
+/* The last option given goes to those of its name, in the order of names: where
+ * the order does not matter to the tool, it must not to the record. */
+static void
+sort_in(struct cmd_recipe *r)
+{
+	for (int k = r->ngiven - 1; k > 0; k--) {
+		struct given *g = &r->given[k], swap = g[-1];
+
+		if (!swap.operand && strcmp(swap.option, g->option) <= 0)
+			return;
+		g[-1] = *g;
+		*g = swap;
+	}
+}
+
 void
 cmd_recipe_given(struct cmd *cmd, const char *option, const char *arg)
 {
@@ -82,6 +97,8 @@ cmd_recipe_given(struct cmd *cmd, const char *option, const char *arg)
 	r->given[r->ngiven++] =
 	    (struct given){ cmd_recipe_copy(option != NULL ? option : ""),
 		    cmd_recipe_copy(arg), false };
+	if (!(cmd->tool->groups & CMD_IN_ORDER))
+		sort_in(r);
 }
 
 void

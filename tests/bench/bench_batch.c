@@ -59,6 +59,7 @@ bake(const char *in, const char *out)
 	struct bake_err err = BAKE_ERR_INIT;
 
 	p.nthreads = 1;
+	p.quality = BAKE_AO_FAST;
 	read_map(in, &depth);
 	need(bake_ao(&depth, &scale, 1, &p, &result, &err), &err);
 	write_map(out, &ao);
