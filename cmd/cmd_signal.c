@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -15,6 +16,7 @@
 static pthread_t main_thread;
 static volatile sig_atomic_t bar_fd = -1, err_fd = STDERR_FILENO;
 static pid_t first; /* the process that began */
+static bool done;   /* the tool leaves by itself */
 
 static void
 die_of_it(int sig)
@@ -49,6 +51,14 @@ cmd_die(const char *reason)
 	put(reason);
 	put("\n");
 	_exit(CMD_EXIT_FAIL);
+}
+
+/* OpenMP calls exit() where it finds no memory, and its word is silenced. */
+static void
+tell_early_end(void)
+{
+	if (!done)
+		cmd_die("a library ended the run: no memory?");
 }
 
 static void
@@ -99,8 +109,11 @@ cmd_signals_start(void)
 		    old.sa_handler != SIG_IGN)
 			sigaction(signals[i], &die, NULL);
 	signal(SIGXFSZ, SIG_IGN);
-	if (first == 0)
+	if (first == 0) {
 		first = getpid();
+		atexit(tell_early_end);
+	}
+	done = false;
 	catch_crashes(getpid() != first);
 }
 
@@ -108,6 +121,12 @@ void
 cmd_signals_speak(int fd)
 {
 	err_fd = fd;
+}
+
+void
+cmd_signals_end(void)
+{
+	done = true;
 }
 
 void

@@ -29,6 +29,10 @@
  */
 void cmd_signals_start(void);
 
+/* The tool has said all: an exit() from now on is its own. One before is a
+ * library's, and is told. */
+void cmd_signals_end(void);
+
 /* Where messages go, also when standard error is silenced. */
 void cmd_signals_speak(int fd);
 

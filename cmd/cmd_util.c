@@ -341,6 +341,7 @@ cmd_finish(struct cmd *cmd, int status)
 		cmd_error(cmd, "standard output: cannot be written");
 		status = CMD_EXIT_FAIL;
 	}
+	cmd_signals_end();
 	cmd_recipe_free(cmd);
 	cmd_list_free(&cmd->args);
 	cmd_list_free(&cmd->operands);

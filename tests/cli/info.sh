@@ -61,7 +61,8 @@ stderr_one_line 'one image is 3x2, the other 2x2'
 
 check 'several files, one of them missing'
 exits 1 rm-info --json "$d" missing.png "$n"
-stderr_one_line missing.png
+stderr_has '^rm-info: missing.png: '
+stderr_has '^rm-info: 1 of 3 failed$'
 [ "$(wc -l <"$PRIV/out")" -eq 2 ] || bad 'not two lines of JSON'
 
 check 'a name that is no UTF-8 is still JSON'

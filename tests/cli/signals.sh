@@ -81,7 +81,9 @@ status = os.waitpid(pid, 0)[1]
 if status != signal.SIGTERM or not seen.endswith(b"\r\x1b[K"):
     sys.exit("status %d, the terminal ends in %r" % (status, seen[-20:]))
 END
-ok python3 "$PRIV/bar.py" rm-aobake -n1024 depth.png -o out.png
+rm-pack -q -d uint16 --size 1024x1024 --ao none --depth depth.png \
+    -o "$PRIV/large.png"
+ok python3 "$PRIV/bar.py" rm-aobake -n1024 "$PRIV/large.png" -o out.png
 no_litter depth.png out.png
 
 shim=$B/tests/fault_shim.so
