@@ -10,9 +10,9 @@
  * Every output of a job carries a record (record.h): the digest of the tool,
  * its version, the options that can change the result, as they were given (in
  * their order where the tool goes by it, CMD_IN_ORDER), the content of every
- * input, which of the job's outputs it is, and of which type. Names of files are no part of it. With --if-changed a job
- * whose outputs are all there with the record that they would get, and whole,
- * is not done.
+ * input, which of the job's outputs it is, and of which type. Names of files
+ *are no part of it. With --if-changed a job whose outputs are all there with
+ *the record that they would get, and whole, is not done.
  *
  *	cmd_recipe_begin(cmd, i);
  *	cmd_recipe_output(cmd, path, "ao");
