@@ -603,6 +603,25 @@ main_between(int argc, char **argv, char **envp)
 	exit(rc);
 }
 
+int __cxa_atexit(void (*fn)(void *), void *arg, void *dso);
+
+static void (*tools_atexit)(void *); /* what the tool itself gave to atexit */
+
+/* Behind atexit, which is no function of the shared C library. */
+EXPORT int
+__cxa_atexit(void (*fn)(void *), void *arg, void *dso)
+{
+	int (*real)(void (*)(void *), void *, void *) = (int (*)(
+	    void (*)(void *), void *, void *))dlsym(RTLD_NEXT, "__cxa_atexit");
+	Dl_info of_fn, of_main;
+
+	if (served && arg == NULL && dladdr((void *)fn, &of_fn) != 0 &&
+	    dladdr((void *)tools_main, &of_main) != 0 &&
+	    of_fn.dli_fbase == of_main.dli_fbase)
+		tools_atexit = fn;
+	return real(fn, arg, dso);
+}
+
 /* What destructors do is not counted; and in a server's child they would wait
  * for threads that the fork has not taken along. */
 EXPORT void
@@ -612,6 +631,8 @@ exit(int status)
 
 	atomic_store(&fault.armed, false);
 	if (served) {
+		if (tools_atexit != NULL)
+			tools_atexit(NULL);
 		fflush(NULL);
 		_exit(status);
 	}
