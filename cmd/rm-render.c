@@ -174,7 +174,7 @@ static void
 plan_outputs(struct cmd *cmd, const struct render_opts *o)
 {
 	for (int i = 0; i < o->turntable; i++) {
-		char *path = turn_path(cmd, i), label[16];
+		char *path = turn_path(cmd, i), label[24];
 
 		snprintf(label, sizeof label, "turn %d", i + 1);
 		cmd_recipe_output(cmd, path, label);
