@@ -141,8 +141,10 @@ tell(struct batch *b)
 
 		if (j->nerr > 0 || j->nout > 0)
 			cmd_progress_erase(&b->bar);
-		fwrite(j->out, 1, j->nout, stdout);
-		fwrite(j->err, 1, j->nerr, b->cmd->err);
+		if (j->nout > 0)
+			fwrite(j->out, 1, j->nout, stdout);
+		if (j->nerr > 0)
+			fwrite(j->err, 1, j->nerr, b->cmd->err);
 		fflush(b->cmd->err);
 		cmd_list_move(&b->cmd->read, &j->read);
 		cmd_list_move(&b->cmd->written, &j->written);
