@@ -17,8 +17,9 @@
  * after the other, because a tile's part is then one piece of memory. */
 struct sums {
 	float scale; /* slope to tangent */
-	float *sum, *prev;
-	float *first; /* for bent */
+	float *sum;
+	float *prev[2]; /* for the polygon, of each side */
+	float *first;   /* for bent */
 	float *bent[3];
 };
 
@@ -35,6 +36,7 @@ struct bake {
 	size_t across, down, ntiles; /* tiles, counted row by row */
 	struct sums *sums;           /* [nscales] */
 	uint64_t *mask; /* [tile] bit per texel: some slope is above 0 */
+	int nturns;     /* of the march: all directions, or half of them */
 };
 
 enum { TILE_WORDS = BAKE_TILE_TEXELS / 64 };
@@ -140,6 +142,7 @@ alloc_sums(struct bake *b, struct bake_err *err)
 {
 	const bool bent = b->result->bent != NULL;
 	const bool polygon = b->params->estimator == BAKE_AO_POLYGON;
+	const bool pairs = b->params->ndirs % 2 == 0;
 	size_t ntexels;
 
 	b->across =
@@ -157,12 +160,13 @@ alloc_sums(struct bake *b, struct bake_err *err)
 		return BAKE_ENOMEM;
 	for (int i = 0; i < b->nscales; i++) {
 		struct sums *s = &b->sums[i];
-		float **const planes[] = { &s->sum, &s->first, &s->prev,
-			&s->bent[0], &s->bent[1], &s->bent[2] };
-		const bool wanted[] = { true, bent, polygon, bent, bent, bent };
+		float **const planes[] = { &s->sum, &s->prev[0], &s->prev[1],
+			&s->first, &s->bent[0], &s->bent[1], &s->bent[2] };
+		const bool wanted[] = { true, polygon, polygon && pairs, bent,
+			bent, bent, bent };
 
 		s->scale = (float)(b->scales[i] * b->depth->width);
-		for (int p = 0; p < 6; p++)
+		for (int p = 0; p < 7; p++)
 			if (wanted[p] && (*planes[p] = bake_alloc(ntexels,
 					      sizeof(float), err)) == NULL)
 				return BAKE_ENOMEM;
@@ -176,7 +180,8 @@ free_sums(struct bake *b)
 	for (int i = 0; b->sums != NULL && i < b->nscales; i++) {
 		free(b->sums[i].sum);
 		free(b->sums[i].first);
-		free(b->sums[i].prev);
+		free(b->sums[i].prev[0]);
+		free(b->sums[i].prev[1]);
 		for (int c = 0; c < 3; c++)
 			free(b->sums[i].bent[c]);
 	}
@@ -205,28 +210,30 @@ in_tile(float *plane, const struct tile *tile)
 	return plane == NULL ? NULL : plane + tile->index * BAKE_TILE_TEXELS;
 }
 
-/* Direction j of one tile: add its slopes to the sums of scale i. */
+/* Turn j, one side of one tile: add its slopes to the sums of scale i. */
 static void
 add_slopes(const struct bake *b, const struct tile *tile, const float *slopes,
-    int i, int j)
+    int i, int j, int side)
 {
 	static void (*const add[])(const struct bake_ao_add *) =
 	    BAKE_KERNEL_TABLE(bake_ao_add);
+	const struct bake_horizon_dir *dir = &b->horizon.ray[side].dir;
 	const struct sums *s = &b->sums[i];
 	struct bake_ao_add a = {
 		.n = BAKE_TILE_TEXELS,
 		.slopes = slopes,
 		.scale = s->scale,
 		.mean = b->params->estimator == BAKE_AO_MEAN,
-		.start = j == 0,
-		.cos_phi = (float)b->horizon.dir.cos_phi,
-		.sin_phi = (float)b->horizon.dir.sin_phi,
+		.start = j == 0 && side == 0,
+		.open = j == 0,
+		.cos_phi = (float)dir->cos_phi,
+		.sin_phi = (float)dir->sin_phi,
 		.sum = in_tile(s->sum, tile),
 		.first = in_tile(s->first, tile),
-		.prev = in_tile(s->prev, tile),
+		.prev = in_tile(s->prev[side], tile),
 	};
 
-	for (int c = 0; c < 3 && j < b->params->ndirs; c++)
+	for (int c = 0; c < 3 && j < b->nturns; c++)
 		a.bent[c] = in_tile(s->bent[c], tile);
 	add[b->horizon.isa](&a);
 }
@@ -270,14 +277,18 @@ bake_tile(const struct bake *b, int j, size_t index)
 
 	/* while the march goes on */
 	fetch(in_tile(b->sums[0].sum, &tile));
-	fetch(in_tile(b->sums[0].prev, &tile));
-	bake_horizon_tile(&b->horizon, tile.x0, tile.y0, slopes);
-	add_mask[b->horizon.isa](
-	    b->mask + index * TILE_WORDS, slopes, BAKE_TILE_TEXELS);
-	for (int i = 0; i < b->nscales; i++) {
-		add_slopes(b, &tile, slopes, i, j);
-		if (b->result->horizons != NULL && j < b->params->ndirs)
-			store_horizons(b, &tile, slopes, i, j);
+	fetch(in_tile(b->sums[0].prev[0], &tile));
+	fetch(in_tile(b->sums[0].prev[1], &tile));
+	for (int side = 0; side < b->horizon.nrays; side++) {
+		bake_horizon_tile(&b->horizon, side, tile.x0, tile.y0, slopes);
+		add_mask[b->horizon.isa](
+		    b->mask + index * TILE_WORDS, slopes, BAKE_TILE_TEXELS);
+		for (int i = 0; i < b->nscales; i++) {
+			add_slopes(b, &tile, slopes, i, j, side);
+			if (b->result->horizons != NULL && j < b->nturns)
+				store_horizons(
+				    b, &tile, slopes, i, j + side * b->nturns);
+		}
 	}
 }
 
@@ -343,7 +354,7 @@ enum { RUN = 512 };
 static size_t
 tile_in_order(const struct bake *b, size_t t)
 {
-	const struct bake_horizon_dir *dir = &b->horizon.dir;
+	const struct bake_horizon_dir *dir = &b->horizon.ray[0].dir;
 	const double slope = dir->minor * dir->major;
 	const size_t length = dir->x_major ? b->across : b->down;
 	const size_t breadth = dir->x_major ? b->down : b->across;
@@ -364,13 +375,18 @@ tile_in_order(const struct bake *b, size_t t)
 			    : along * b->across + aside;
 }
 
+/*
+ * An even number of directions is taken in pairs: turn j is directions j and
+ * j + n / 2, as two runs of directions that go half round each. One turn more
+ * closes the polygon, both runs where the other one began, which is cheaper
+ * than to keep how they began in memory.
+ */
 static void
 bake_directions(struct bake *b)
 {
 	const int ndirs = b->params->ndirs;
-	/* direction 0 again closes the polygon, which is cheaper than to keep
-	 * its r in memory */
-	const int nturns = ndirs + (b->params->estimator == BAKE_AO_POLYGON);
+	const int nturns =
+	    b->nturns + (b->params->estimator == BAKE_AO_POLYGON);
 
 #pragma omp parallel num_threads(b->nthreads)
 	for (int j = 0; j < nturns; j++) {
@@ -473,6 +489,8 @@ bake_ao(const struct bake_image *depth, const double *scales, int nscales,
 		.params = params,
 		.result = result,
 		.nthreads = bake_threads(params->nthreads),
+		.nturns =
+		    params->ndirs % 2 == 0 ? params->ndirs / 2 : params->ndirs,
 	};
 	enum bake_status rc;
 

@@ -118,7 +118,13 @@ struct bake_ao_result {
  * For texel t in block u_t, texel i of it in the same count, and q = i, or 3/2
  * where L >= 16, the segment's height is
  *     P_log2(L/4)(u_t + s k / 4, v_t + round((k - q) m))
- * at distance (k - q + 0.85 (L - 1)) sqrt(1 + m^2).
+ * at distance (k - q + 0.85 (L - 1)) sqrt(1 + m^2). From L = 64 on four blocks
+ * are one: P_4(w, v) is the above for the first block that the ray meets of 4 w
+ * .. 4 w + 3, later P_(i+1) go 2^i / 4 of them on, the segment begins at
+ * w_t + s k / 16, and q = 15/2. Of an even number of directions the second half
+ * goes through the runs of the first half's rays the other way: with s and m
+ * its own, and P made for -s and -m, a segment is P(u_t + s (k + L) / 4 - s,
+ * v_t + round((k - q + L - 1) m)) (s (k + L) / 16 - s from L = 64 on).
  *
  * Blur: a Gaussian of blur_sigma texels, cut off at ceil(4 sigma), wrapped
  * or clamped as the map. It replaces ao where some tan e_j > 0 (not: where
@@ -149,16 +155,16 @@ struct bake_ao_result {
  * single texels differ much.
  * Same bytes for every thread count and instruction set. On a torus a shifted
  * map gives the shifted result, bit for bit; fast and preview, whose blocks
- * stay where they are, do so for shifts by multiples of 4 of a map whose sides
+ * stay where they are, do so for shifts by multiples of 16 of a map whose sides
  * are such.
  *
- * Memory beyond depth, for one scale and ao alone, in bytes: 8.1 a texel for
- * the sums; 4 a texel of the map with a border of 80 columns and 18 rows,
- * twice that on a clamped axis; exact 6 more of these; fast (preview) 1.1 for
- * each L below a quarter (half) of the reach, 9 at most. So 19 (19, 20.1) a
- * texel at 1024 x 1024 and 18.2 (21.2) at 16384 x 16384, where fast thus takes
- * 5.7 GB beyond the map's 1.1 GB. Each further scale takes 12 more, the bent
- * normal 28, horizons 4 ndirs.
+ * Memory beyond depth, for one scale and ao alone, in bytes: 12.1 a texel for
+ * the sums, 8.1 with an odd number of directions; 4 a texel of the map with a
+ * border of 80 columns and 18 rows, twice that on a clamped axis; exact 6 more
+ * of these; fast (preview) 1.1 for each L below a quarter (half) of the reach,
+ * 4 at most, then 0.3. So 23.1 (21.4, 21.7) a texel at 1024 x 1024 and 22.2
+ * (21.4) at 16384 x 16384, where fast thus takes 5.8 GB beyond the map's 1.1
+ * GB. Each further scale takes 16 more, the bent normal 28, horizons 4 ndirs.
  *
  * Reentrant. progress.report is called on the calling thread alone.
  * Source: Limberger, Schetinger, Oliveira, "Meta-Relief Texture Mapping with

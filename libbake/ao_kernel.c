@@ -26,12 +26,11 @@ add_polygon(const struct bake_ao_add *a)
 	for (size_t t = 0; t < a->n; t += VEC_LANES) {
 		vec_f r = cosine(tangent(a->slopes + t, scale));
 
-		if (a->start) {
+		if (a->start)
 			vec_store(a->sum + t, vec_set(0));
-		} else {
+		else if (!a->open)
 			vec_store(a->sum + t,
 			    vec_load(a->sum + t) + r * vec_load(a->prev + t));
-		}
 		vec_store(a->prev + t, r);
 	}
 }

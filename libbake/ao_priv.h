@@ -16,8 +16,9 @@
  *
  *   slopes       [n] >= 0, in units of depth per texel; tan e = slope * scale
  *   start        this is direction 0: the sums begin
+ *   open         the first of a run of directions: prev begins
  *   sum          [n] of r_j r_(j-1) up to this direction, or of r_j^2
- *   prev         [n] r of the latest direction; NULL with the mean
+ *   prev         [n] r of direction j - 1, then j; NULL with the mean
  *   first        [n] r of direction 0; NULL without bent
  *   bent         x, y, z: [n] each, or NULL
  */
@@ -25,7 +26,7 @@ struct bake_ao_add {
 	size_t n;
 	const float *slopes;
 	float scale;
-	bool mean, start;
+	bool mean, start, open;
 	float cos_phi, sin_phi;
 	float *sum, *first, *prev;
 	float *bent[3];

@@ -6,11 +6,23 @@
 
 static const double pi = 3.14159265358979323846;
 
+static void
+turn_round(struct bake_horizon_dir *dir)
+{
+	dir->cos_phi = 0 - dir->cos_phi; /* not -0 */
+	dir->sin_phi = 0 - dir->sin_phi;
+	dir->major = -dir->major;
+	dir->minor = 0 - dir->minor;
+}
+
 void
 bake_horizon_dir_init(struct bake_horizon_dir *dir, int j, int n, int width,
     int height, double radius, int periods)
 {
-	double c = cos(2 * pi * j / n), s = sin(2 * pi * j / n);
+	/* opposite directions are so to the last bit */
+	const bool turned = n % 2 == 0 && j >= n / 2;
+	const double phi = 2 * pi * (turned ? j - n / 2 : j) / n;
+	double c = cos(phi), s = sin(phi);
 
 	if (fabs(c) < 1e-12)
 		c = 0;
@@ -31,6 +43,8 @@ bake_horizon_dir_init(struct bake_horizon_dir *dir, int j, int n, int width,
 		dir->nsteps = (long)floor(radius * width / dir->pitch);
 	else
 		dir->nsteps = (long)periods * (dir->x_major ? width : height);
+	if (turned)
+		turn_round(dir);
 }
 
 struct bake_horizon_step

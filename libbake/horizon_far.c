@@ -1,6 +1,7 @@
 /* The far field of fast horizons: maxima over runs of doubling length. */
 /* SPDX-License-Identifier: MIT */
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,49 +12,77 @@
  * before it or one block beyond it. */
 enum { BEYOND = 1 };
 
-/* How a direction's levels lie in memory. */
-static void
-set_layout(struct bake_horizon *hz, bool x_major)
+static struct bake_horizon_grid
+make_grid(const struct bake_horizon *hz, bool x_major, int block)
 {
-	struct bake_horizon_far *far = &hz->far;
-	const int width = hz->heights.width, height = hz->heights.height;
+	const int block_width = x_major ? block : 1;
+	const int block_height = x_major ? 1 : block;
+	struct bake_horizon_grid grid = {
+		.block_width = block_width,
+		.block_height = block_height,
+		.width = (hz->heights.width - 1) / block_width + 1,
+		.height = (hz->heights.height - 1) / block_height + 1,
+		.columns = BAKE_TILE_WIDTH / block_width,
+		.rows = BAKE_TILE_HEIGHT / block_height,
+	};
 
-	far->block_width = x_major ? BAKE_FAR_BLOCK : 1;
-	far->block_height = x_major ? 1 : BAKE_FAR_BLOCK;
-	far->width = (width - 1) / far->block_width + 1;
-	far->height = (height - 1) / far->block_height + 1;
-	far->columns = BAKE_TILE_WIDTH / far->block_width;
-	far->rows = BAKE_TILE_HEIGHT / far->block_height;
-	far->left = hz->wrap.clamp_u ? far->columns : 0;
-	far->top = hz->wrap.clamp_v ? far->rows : 0;
-	far->stride = (size_t)far->left + (size_t)far->width +
-		      (size_t)far->columns + BEYOND;
+	grid.left = hz->wrap.clamp_u ? grid.columns : 0;
+	grid.top = hz->wrap.clamp_v ? grid.rows : 0;
+	grid.stride = (size_t)grid.left + (size_t)grid.width +
+		      (size_t)grid.columns + BEYOND;
+	return grid;
 }
 
-static size_t
-layout_nrows(const struct bake_horizon_far *far)
+static void
+set_grids(struct bake_horizon *hz, bool x_major)
 {
-	return (size_t)far->top + (size_t)far->height + (size_t)far->rows +
-	       BEYOND;
+	hz->far.grid[0] = make_grid(hz, x_major, BAKE_FAR_BLOCK);
+	hz->far.grid[1] =
+	    make_grid(hz, x_major, BAKE_FAR_BLOCK * BAKE_FAR_MERGE);
 }
 
-/* Complete a row whose blocks 0 .. width - 1 are there. */
-static void
-pad_row(const struct bake_horizon_far *far, float *row, bool clamp)
+static const struct bake_horizon_grid *
+grid_of(const struct bake_horizon_far *far, int level)
 {
-	const int n = far->columns + BEYOND;
+	return &far->grid[level >= BAKE_FAR_COARSE];
+}
 
-	for (int x = 1; x <= far->left; x++)
+/* One below its last row. */
+static int
+grid_end(const struct bake_horizon_grid *grid)
+{
+	return grid->height + grid->rows + BEYOND;
+}
+
+/* Complete a row whose values 0 .. width - 1 are there. */
+static void
+pad_row(const struct bake_horizon_grid *grid, float *row, bool clamp)
+{
+	const int n = grid->columns + BEYOND;
+
+	for (int x = 1; x <= grid->left; x++)
 		row[-x] = row[0];
 	for (int x = 0; x < n; x++) /* ever further, from what is there */
-		row[far->width + x] = clamp ? row[far->width - 1] : row[x];
+		row[grid->width + x] = clamp ? row[grid->width - 1] : row[x];
 }
 
-float *
-bake_horizon_far_row(const struct bake_horizon_far *far, int level, int y)
+/* Floats before level i. */
+static size_t
+level_offset(const struct bake_horizon_far *far, int i)
 {
-	return far->levels + (size_t)level * far->level_size +
-	       (size_t)(y + far->top) * far->stride + far->left;
+	const int fine = i < BAKE_FAR_COARSE ? i : BAKE_FAR_COARSE;
+
+	return (size_t)fine * far->size[0] + (size_t)(i - fine) * far->size[1];
+}
+
+/* Value (0, y) of a level; -top <= y. */
+static float *
+level_row(const struct bake_horizon_far *far, int level, int y)
+{
+	const struct bake_horizon_grid *grid = grid_of(far, level);
+
+	return far->levels + level_offset(far, level) +
+	       (size_t)(y + grid->top) * grid->stride + (size_t)grid->left;
 }
 
 /* What row y of level 0 is made of. */
@@ -61,10 +90,11 @@ static struct bake_horizon_blocks
 find_texels(const struct bake_horizon *hz, int y)
 {
 	const struct bake_horizon_far *far = &hz->far;
-	const bool x_major = hz->dir.x_major, clamp = hz->wrap.clamp_v;
+	const struct bake_horizon_grid *grid = &far->grid[0];
+	const bool x_major = hz->ray[0].dir.x_major, clamp = hz->wrap.clamp_v;
 	const int height = hz->heights.height;
 	const int first =
-	    far->block_height * bake_wrap_index(y, far->height, clamp);
+	    grid->block_height * bake_wrap_index(y, grid->height, clamp);
 	struct bake_horizon_blocks blocks = { .highest = hz->highest,
 		.x_major = x_major };
 
@@ -103,43 +133,40 @@ make_blocks(const struct bake_horizon *hz, int y)
 {
 	static void (*const make[])(float *, const struct bake_horizon_blocks *,
 	    size_t) = BAKE_KERNEL_TABLE(bake_horizon_far_blocks);
-	const struct bake_horizon_far *far = &hz->far;
+	const struct bake_horizon_grid *grid = &hz->far.grid[0];
 	struct bake_horizon_blocks blocks = find_texels(hz, y);
-	float *out = bake_horizon_far_row(far, 0, y);
+	float *out = level_row(&hz->far, 0, y);
 	const int most = BAKE_FAR_BLOCK - 1; /* columns to the left */
 	int n = 0;
 
-	if (!hz->dir.x_major && !hz->wrap.clamp_u) {
+	if (!hz->ray[0].dir.x_major && !hz->wrap.clamp_u) {
 		struct bake_horizon_blocks lifted = blocks;
 
-		n = far->width < most ? far->width : most;
-		for (int lift = 0; lift < most; lift += far->width)
-			move_right(&lifted, far->width);
+		n = grid->width < most ? grid->width : most;
+		for (int lift = 0; lift < most; lift += grid->width)
+			move_right(&lifted, grid->width);
 		make[hz->isa](out, &lifted, (size_t)n);
 		move_right(&blocks, n);
 	}
-	make[hz->isa](out + n, &blocks, (size_t)(far->width - n));
-	pad_row(far, out, hz->wrap.clamp_u);
+	make[hz->isa](out + n, &blocks, (size_t)(grid->width - n));
+	pad_row(grid, out, hz->wrap.clamp_u);
 }
 
-/* Row y of level m + 1 from level m. */
+/* out = the values of row y of P_(i+1), y on the map, by those of P_i. */
 static void
-make_level_row(const struct bake_horizon *hz, int m, int y)
+raise_row(const struct bake_horizon *hz, int i, int y, float *out)
 {
 	static void (*const higher[])(float *, const float *, const float *,
 	    size_t) = BAKE_KERNEL_TABLE(bake_horizon_higher);
 	const struct bake_horizon_far *far = &hz->far;
-	const struct bake_wrap wrap = hz->wrap;
-	const int width = far->width;
-	const int y0 = bake_wrap_index(y, far->height, wrap.clamp_v);
+	const struct bake_horizon_grid *grid = grid_of(far, i);
+	const int width = grid->width, dx = far->step[i].x;
 	const int y1 = bake_wrap_index(
-	    (long)y0 + far->step[m].y, far->height, wrap.clamp_v);
-	const float *a = bake_horizon_far_row(far, m, y0);
-	const float *b = bake_horizon_far_row(far, m, y1);
-	float *out = bake_horizon_far_row(far, m + 1, y);
-	const int dx = far->step[m].x;
+	    (long)y + far->step[i].y, grid->height, hz->wrap.clamp_v);
+	const float *a = level_row(far, i, y);
+	const float *b = level_row(far, i, y1);
 
-	if (!wrap.clamp_u) {
+	if (!hz->wrap.clamp_u) {
 		const int x = bake_wrap_index(dx, width, false);
 
 		higher[hz->isa](out, a, b + x, (size_t)(width - x));
@@ -154,7 +181,50 @@ make_level_row(const struct bake_horizon *hz, int m, int y)
 			if (x < from || x >= from + n)
 				out[x] = a[x] > edge ? a[x] : edge;
 	}
-	pad_row(far, out, wrap.clamp_u);
+	pad_row(grid, out, hz->wrap.clamp_u);
+}
+
+/* Row y of the first coarse level; first: of BAKE_FAR_MERGE blocks the one
+ * that the ray meets first. */
+static void
+make_coarse_row(const struct bake_horizon *hz, int y, int first)
+{
+	const struct bake_horizon_far *far = &hz->far;
+	const struct bake_horizon_grid *grid = &far->grid[1];
+	const int i = BAKE_FAR_COARSE - 1;
+	float *out = level_row(far, BAKE_FAR_COARSE, y);
+	float *fine = hz->scratch +
+		      (size_t)omp_get_thread_num() * hz->scratch_row +
+		      far->grid[0].left;
+
+	y = bake_wrap_index(y, grid->height, hz->wrap.clamp_v);
+	if (!hz->ray[0].dir.x_major) {
+		raise_row(hz, i,
+		    bake_wrap_index((long)y * BAKE_FAR_MERGE + first,
+			far->grid[0].height, hz->wrap.clamp_v),
+		    out);
+		return;
+	}
+	raise_row(hz, i, y, fine);
+	for (int x = 0; x < grid->width; x++)
+		out[x] = fine[x * BAKE_FAR_MERGE + first];
+	pad_row(grid, out, hz->wrap.clamp_u);
+}
+
+/* Row y of level i + 1. */
+static void
+make_level_row(const struct bake_horizon *hz, int i, int y)
+{
+	const struct bake_horizon_far *far = &hz->far;
+	const int first = hz->ray[0].dir.major > 0 ? 0 : BAKE_FAR_MERGE - 1;
+
+	if (i + 1 == BAKE_FAR_COARSE)
+		make_coarse_row(hz, y, first);
+	else
+		raise_row(hz, i,
+		    bake_wrap_index(
+			y, grid_of(far, i)->height, hz->wrap.clamp_v),
+		    level_row(far, i + 1, y));
 }
 
 /* The offset of a segment's origin, reduced so that one wrap is enough. */
@@ -185,27 +255,41 @@ steps_into_block(const struct bake_horizon_dir *dir, int o)
 	return dir->major > 0 ? o : BAKE_FAR_BLOCK - 1 - o;
 }
 
+/* The steps from a ray's first texel in the block of its start, or in as many
+ * as a coarse level merges, to texel o of a block. */
+static double
+steps_into(const struct bake_horizon_dir *dir, int level, int o)
+{
+	if (level < BAKE_FAR_SHARED)
+		return steps_into_block(dir, o);
+	if (level < BAKE_FAR_COARSE)
+		return 0.5 * (BAKE_FAR_BLOCK - 1);
+	return 0.5 * (BAKE_FAR_BLOCK * BAKE_FAR_MERGE - 1);
+}
+
 static struct bake_horizon_segment
-make_segment(const struct bake_horizon *hz, int level, long start)
+make_segment(const struct bake_horizon *hz, const struct bake_horizon_ray *ray,
+    int level, long start)
 {
 	const struct bake_horizon_far *far = &hz->far;
-	const struct bake_horizon_dir *dir = &hz->dir;
+	const struct bake_horizon_grid *grid = grid_of(far, level);
+	const struct bake_horizon_dir *dir = &ray->dir;
+	const int block = dir->x_major ? grid->block_width : grid->block_height;
 	struct bake_horizon_segment seg = { .level = level };
+	const int last = (BAKE_FAR_BLOCK << level) - 1;
+	/* steps to where the levels' ray enters the run */
+	const int enter = ray->opposite ? last : 0;
 	const double major =
-	    (double)(start / BAKE_FAR_BLOCK) * (double)dir->major;
-	const double place =
-	    far->place * (double)((BAKE_FAR_BLOCK << level) - 1);
+	    (double)((start + enter) / block) * (double)dir->major;
+	const double place = far->place * (double)last;
 
 	for (int o = 0; o < BAKE_FAR_BLOCK; o++) {
-		const double k =
-		    (double)start - (level < BAKE_FAR_SHARED
-					    ? steps_into_block(dir, o)
-					    : 0.5 * (BAKE_FAR_BLOCK - 1));
-		const double minor = minor_offset(dir, k);
+		const double k = (double)start - steps_into(dir, level, o);
+		const double minor = minor_offset(dir, k + enter);
 
-		seg.x[o] = reduce(
-		    dir->x_major ? major : minor, far->width, hz->wrap.clamp_u);
-		seg.y[o] = reduce(dir->x_major ? minor : major, far->height,
+		seg.x[o] = reduce(dir->x_major ? major : minor, grid->width,
+		    hz->wrap.clamp_u);
+		seg.y[o] = reduce(dir->x_major ? minor : major, grid->height,
 		    hz->wrap.clamp_v);
 		seg.weight[o] = (float)(1 / ((k + place) * dir->pitch));
 	}
@@ -215,20 +299,20 @@ make_segment(const struct bake_horizon *hz, int level, long start)
 }
 
 static void
-make_segments(struct bake_horizon *hz)
+make_segments(struct bake_horizon *hz, struct bake_horizon_ray *ray)
 {
 	struct bake_horizon_far *far = &hz->far;
 	long start = far->near;
 	int level = 0;
 
-	far->nsegments = 0;
-	while (start < hz->dir.nsteps) {
+	ray->nsegments = 0;
+	while (start < ray->dir.nsteps) {
 		while (
 		    level + 1 < far->nlevels &&
 		    far->per_octave * (2L * BAKE_FAR_BLOCK << level) <= start)
 			level++;
-		far->segments[far->nsegments++] =
-		    make_segment(hz, level, start);
+		ray->segments[ray->nsegments++] =
+		    make_segment(hz, ray, level, start);
 		start += (long)BAKE_FAR_BLOCK << level;
 	}
 	far->top_level = level;
@@ -238,9 +322,9 @@ static void
 set_direction(struct bake_horizon *hz)
 {
 	struct bake_horizon_far *far = &hz->far;
-	const struct bake_horizon_dir *dir = &hz->dir;
+	const struct bake_horizon_dir *dir = &hz->ray[0].dir;
 
-	set_layout(hz, dir->x_major);
+	set_grids(hz, dir->x_major);
 	for (int o = 0; o < BAKE_FAR_BLOCK; o++) {
 		const double at = steps_into_block(dir, o) * dir->minor;
 		const double whole = floor(at + BAKE_HORIZON_SNAP);
@@ -250,9 +334,12 @@ set_direction(struct bake_horizon *hz)
 		far->sample[o].frac =
 		    frac < BAKE_HORIZON_SNAP ? 0 : (float)frac;
 	}
-	make_segments(hz);
+	for (int side = 0; side < hz->nrays; side++)
+		make_segments(hz, &hz->ray[side]);
 	for (int i = 0; i < far->top_level; i++) {
-		const int major = dir->major * (1 << i);
+		const int blocks =
+		    i < BAKE_FAR_COARSE ? 1 << i : (1 << i) / BAKE_FAR_MERGE;
+		const int major = dir->major * blocks;
 		const int minor = (int)minor_offset(dir, BAKE_FAR_BLOCK << i);
 
 		far->step[i].x = dir->x_major ? major : minor;
@@ -263,21 +350,22 @@ set_direction(struct bake_horizon *hz)
 void
 bake_horizon_far_aim(struct bake_horizon *hz)
 {
-	struct bake_horizon_far *far = &hz->far;
-	int last;
+	const struct bake_horizon_far *far = &hz->far;
 
 #pragma omp single
 	set_direction(hz);
-	if (far->nsegments == 0)
+	if (hz->ray[0].nsegments == 0)
 		return;
-	last = far->height + far->rows + BEYOND;
 #pragma omp for schedule(static)
-	for (int y = -far->top; y < last; y++)
+	for (int y = -far->grid[0].top; y < grid_end(&far->grid[0]); y++)
 		make_blocks(hz, y);
-	for (int i = 0; i < far->top_level; i++)
+	for (int i = 0; i < far->top_level; i++) {
+		const struct bake_horizon_grid *grid = grid_of(far, i + 1);
+
 #pragma omp for schedule(static)
-		for (int y = -far->top; y < last; y++)
+		for (int y = -grid->top; y < grid_end(grid); y++)
 			make_level_row(hz, i, y);
+	}
 }
 
 /* Where a tile finds a segment for texel o of its blocks. */
@@ -285,68 +373,63 @@ static const float *
 find_origin(const struct bake_horizon *hz, const struct bake_horizon_segment *s,
     int o, int x0, int y0)
 {
-	const struct bake_horizon_far *far = &hz->far;
-	const int x = bake_horizon_wrap(x0 / far->block_width + s->x[o],
-	    far->width, hz->wrap.clamp_u, far->left);
-	const int y = bake_horizon_wrap(y0 / far->block_height + s->y[o],
-	    far->height, hz->wrap.clamp_v, far->top);
+	const struct bake_horizon_grid *grid = grid_of(&hz->far, s->level);
+	const int x = bake_horizon_wrap(x0 / grid->block_width + s->x[o],
+	    grid->width, hz->wrap.clamp_u, grid->left);
+	const int y = bake_horizon_wrap(y0 / grid->block_height + s->y[o],
+	    grid->height, hz->wrap.clamp_v, grid->top);
 
-	return bake_horizon_far_row(far, s->level, y) + x;
-}
-
-/* Fetch into the cache what a tile reads from an origin on. */
-static void
-fetch(const struct bake_horizon_far *far, const float *origin)
-{
-	for (int y = 0; y < far->rows; y++)
-		for (int x = 0; x < far->columns + 15; x += 16)
-			__builtin_prefetch(
-			    origin + (size_t)y * far->stride + x);
+	return level_row(&hz->far, s->level, y) + x;
 }
 
 long
-bake_horizon_far_span(const struct bake_horizon *hz, int x0, int y0, long first,
-    struct bake_horizon_span *span)
+bake_horizon_far_span(const struct bake_horizon *hz, int side, int x0, int y0,
+    long first, struct bake_horizon_span *span)
 {
-	const struct bake_horizon_far *far = &hz->far;
-	const long left = far->nsegments - first;
+	const struct bake_horizon_ray *ray = &hz->ray[side];
+	const long left = ray->nsegments - first;
 
-	span->first = first;
+	span->segments = ray->segments + first;
 	span->n = left < BAKE_FAR_SPAN ? (int)left : BAKE_FAR_SPAN;
-	span->nseparate = 0;
+	span->nseparate = span->nfine = 0;
 	for (int s = 0; s < span->n; s++) {
-		const struct bake_horizon_segment *seg =
-		    &far->segments[first + s];
+		const struct bake_horizon_segment *seg = &span->segments[s];
 		const bool separate = seg->level < BAKE_FAR_SHARED;
 
 		for (int o = 0; o < (separate ? BAKE_FAR_BLOCK : 1); o++)
 			span->origin[s][o] = find_origin(hz, seg, o, x0, y0);
 		span->nseparate += separate;
-		fetch(far, span->origin[s][0]);
+		span->nfine += seg->level < BAKE_FAR_COARSE;
 	}
 	return first + span->n;
 }
 
-/* A level has room for either layout. */
+/* A level has room for either kind of direction. */
 static bool
-set_level_size(struct bake_horizon *hz)
+set_sizes(struct bake_horizon *hz)
 {
 	struct bake_horizon_far *far = &hz->far;
 
-	for (int x_major = 0; x_major < 2; x_major++) {
+	for (int i = 0; i < 4; i++) {
+		const int coarse = i % 2;
+		const struct bake_horizon_grid *grid = &far->grid[coarse];
 		size_t size;
 
-		set_layout(hz, x_major);
-		if (!bake_mul_size(far->stride, layout_nrows(far), &size))
+		set_grids(hz, i / 2);
+		if (!bake_mul_size(grid->stride,
+			(size_t)(grid->top + grid_end(grid)), &size))
 			return false;
-		if (size > far->level_size)
-			far->level_size = size;
+		if (size > far->size[coarse])
+			far->size[coarse] = size;
+		if (grid->stride > hz->scratch_row)
+			hz->scratch_row = grid->stride;
 	}
 	return true;
 }
 
-enum bake_status
-bake_horizon_far_init(struct bake_horizon *hz, struct bake_err *err)
+/* The levels that a march as long as the longest needs, and its segments. */
+static long
+count_segments(struct bake_horizon *hz)
 {
 	struct bake_horizon_far *far = &hz->far;
 	const int width = hz->heights.width, height = hz->heights.height;
@@ -354,8 +437,7 @@ bake_horizon_far_init(struct bake_horizon *hz, struct bake_err *err)
 	    hz->radius > 0
 		? (long)(hz->radius * width)
 		: (long)hz->periods * (width > height ? width : height);
-	size_t nfloats;
-	long nsegments = 0, length;
+	long n = 0, length;
 
 	for (long start = far->near; start < longest; start += length) {
 		while (
@@ -364,25 +446,44 @@ bake_horizon_far_init(struct bake_horizon *hz, struct bake_err *err)
 			start)
 			far->nlevels++;
 		length = (long)BAKE_FAR_BLOCK << (far->nlevels - 1);
-		nsegments++;
+		n++;
 	}
+	return n;
+}
+
+enum bake_status
+bake_horizon_far_init(
+    struct bake_horizon *hz, int nthreads, struct bake_err *err)
+{
+	struct bake_horizon_far *far = &hz->far;
+	const size_t nsegments = (size_t)count_segments(hz);
+	size_t nscratch;
+
 	if (nsegments == 0)
 		return BAKE_OK;
-	if (!set_level_size(hz) ||
-	    !bake_mul_size(far->level_size, (size_t)far->nlevels, &nfloats))
+	/* a coarse level is no larger than a fine one */
+	if (!set_sizes(hz) ||
+	    !bake_mul_size(far->size[0], BAKE_FAR_LEVELS, &nscratch) ||
+	    !bake_mul_size(hz->scratch_row, (size_t)nthreads, &nscratch))
 		return bake_fail(err, BAKE_ENOMEM,
-		    "%dx%d texels do not fit in memory", width, height);
-	far->levels = bake_alloc(nfloats, sizeof *far->levels, err);
-	far->segments =
-	    bake_alloc((size_t)nsegments, sizeof *far->segments, err);
-	return far->levels != NULL && far->segments != NULL ? BAKE_OK
-							    : BAKE_ENOMEM;
+		    "%dx%d texels do not fit in memory", hz->heights.width,
+		    hz->heights.height);
+	far->levels = bake_alloc(
+	    level_offset(far, far->nlevels), sizeof *far->levels, err);
+	hz->scratch = bake_alloc(nscratch, sizeof *hz->scratch, err);
+	for (int side = 0; side < 2; side++)
+		hz->ray[side].segments =
+		    bake_alloc(nsegments, sizeof *hz->ray[side].segments, err);
+	return far->levels != NULL && hz->scratch != NULL &&
+		       hz->ray[0].segments != NULL &&
+		       hz->ray[1].segments != NULL
+		   ? BAKE_OK
+		   : BAKE_ENOMEM;
 }
 
 void
 bake_horizon_far_free(struct bake_horizon_far *far)
 {
 	free(far->levels);
-	free(far->segments);
 	*far = (struct bake_horizon_far){ .levels = NULL };
 }

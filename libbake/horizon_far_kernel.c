@@ -117,13 +117,25 @@ store_group(vec_f v[NPARTS], float *p, size_t stride, const bool x_major)
 		vec_store(p + (size_t)o * (x_major ? VEC_LANES : stride), v[o]);
 }
 
-/* Segments for a group of blocks, the first 'block' floats from the tile's. */
+/* One segment that all texels of a block share. */
+static INLINE void
+raise_group(
+    vec_f best[NPARTS], const vec_f here[NPARTS], vec_f top, float weight)
+{
+	const vec_f w = vec_set(weight);
+
+	for (int o = 0; o < NPARTS; o++)
+		best[o] = vec_max(w * (top - here[o]), best[o]);
+}
+
+/* Segments for a group of blocks, the first 'fine' floats from the tile's, or
+ * 'coarse'. */
 static INLINE void
 march_group(const struct bake_horizon *hz, const struct bake_horizon_span *span,
-    size_t block, const float *base, float *slopes, const bool x_major)
+    size_t fine, size_t coarse, const float *base, float *slopes,
+    const bool x_major)
 {
-	const struct bake_horizon_segment *segments =
-	    hz->far.segments + span->first;
+	const struct bake_horizon_segment *segments = span->segments;
 	vec_f here[NPARTS], best[NPARTS];
 
 	load_group(here, base, hz->heights.row_stride, x_major);
@@ -132,18 +144,19 @@ march_group(const struct bake_horizon *hz, const struct bake_horizon_span *span,
 		return;
 	for (int s = 0; s < span->nseparate; s++)
 		for (int o = 0; o < NPARTS; o++) {
-			const vec_f top = vec_load(span->origin[s][o] + block);
+			const vec_f top = vec_load(span->origin[s][o] + fine);
 			const vec_f w = vec_set(segments[s].weight[o]);
 
 			best[o] = vec_max(w * (top - here[o]), best[o]);
 		}
-	for (int s = span->nseparate; s < span->n; s++) {
-		const vec_f top = vec_load(span->origin[s][0] + block);
-		const vec_f w = vec_set(segments[s].weight[0]);
-
-		for (int o = 0; o < NPARTS; o++)
-			best[o] = vec_max(w * (top - here[o]), best[o]);
-	}
+	for (int s = span->nseparate; s < span->nfine; s++)
+		raise_group(best, here, vec_load(span->origin[s][0] + fine),
+		    segments[s].weight[0]);
+	for (int s = span->nfine; s < span->n; s++)
+		raise_group(best, here,
+		    x_major ? vec_spread(span->origin[s][0] + coarse)
+			    : vec_load(span->origin[s][0] + coarse),
+		    segments[s].weight[0]);
 	store_group(best, slopes, BAKE_TILE_WIDTH, x_major);
 }
 
@@ -151,13 +164,17 @@ static INLINE void
 march_tile(const struct bake_horizon *hz, const struct bake_horizon_span *span,
     const float *base, float *slopes, const bool x_major)
 {
+	const struct bake_horizon_grid *fine = &hz->far.grid[0];
+	const struct bake_horizon_grid *coarse = &hz->far.grid[1];
 	const size_t width = x_major ? NPARTS : 1,
 		     height = x_major ? 1 : NPARTS;
 
 	for (size_t y = 0; y < BAKE_TILE_HEIGHT; y += height)
 		for (size_t x = 0; x < BAKE_TILE_WIDTH; x += width * VEC_LANES)
 			march_group(hz, span,
-			    y / height * hz->far.stride + x / width,
+			    y / height * fine->stride + x / width,
+			    y / (size_t)coarse->block_height * coarse->stride +
+				x / (size_t)coarse->block_width,
 			    base + y * hz->heights.row_stride + x,
 			    slopes + y * BAKE_TILE_WIDTH + x, x_major);
 }
@@ -166,7 +183,7 @@ void
 BAKE_KERNEL(bake_horizon_far_march)(const struct bake_horizon *hz,
     const struct bake_horizon_span *span, const float *base, float *slopes)
 {
-	if (hz->dir.x_major)
+	if (hz->ray[0].dir.x_major)
 		march_tile(hz, span, base, slopes, true);
 	else
 		march_tile(hz, span, base, slopes, false);

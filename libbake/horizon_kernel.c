@@ -11,6 +11,7 @@
 enum { SEGMENT = 8 }; /* most chunks that are tested before one is marched */
 enum { WHOLE_PACKET = 3 }; /* rows from which a packet is cheaper */
 enum { NVECS = BAKE_PACKET_WIDTH / VEC_LANES }; /* vectors in a row */
+enum { NEAR_CHUNKS = 2 }; /* most that a far field leaves */
 
 /* this far right of a clamped map, nothing but its border is looked at */
 enum { ALL_BORDER = 40 };
@@ -19,6 +20,7 @@ enum { ALL_BORDER = 40 };
 
 struct march {
 	const struct bake_horizon *hz;
+	const struct bake_horizon_ray *ray;
 	int x0, y0;
 	const float *base; /* texel (x0, y0) */
 	float *slopes;
@@ -74,47 +76,54 @@ find_spot(const struct march *m, const struct bake_horizon_place *place)
 	};
 }
 
+/* All steps of a chunk for one vector in each row of a packet, the first of
+ * them at texels. */
+static INLINE void
+march_steps(const struct march *m, const struct bake_horizon_chunk *chunk,
+    const float *texels, const vec_f here[BAKE_PACKET_HEIGHT],
+    vec_f best[BAKE_PACKET_HEIGHT], const bool x_major)
+{
+	const size_t stride = m->hz->heights.row_stride;
+	const size_t minor = x_major ? stride : 1;
+
+	for (int i = 0; i < BAKE_CHUNK; i++) {
+		const float *p = texels + chunk->rel[i];
+		const vec_f w0 = vec_set(chunk->w0[i]);
+		const vec_f w1 = vec_set(chunk->w1[i]);
+		vec_f h0, h1 = vec_load(p);
+
+		for (int r = 0; r < BAKE_PACKET_HEIGHT; r++) {
+			if (x_major)
+				h0 = h1;
+			else
+				h0 = vec_load(p + (size_t)r * stride);
+			h1 = vec_load(p + (size_t)r * stride + minor);
+			best[r] = vec_max(
+			    w0 * (here[r] - h0) + w1 * (here[r] - h1), best[r]);
+		}
+	}
+}
+
 /* All steps of a chunk for one packet. */
 static INLINE void
 march_packet(const struct march *m, const struct bake_horizon_chunk *chunk,
     const float *texels, int packet, const bool x_major)
 {
 	const size_t stride = m->hz->heights.row_stride;
-	const size_t minor = x_major ? stride : 1;
 	const float *base = m->base + packet * BAKE_PACKET_WIDTH;
 	float *slopes = m->slopes + packet * BAKE_PACKET_WIDTH;
 
 	texels += packet * BAKE_PACKET_WIDTH;
-	for (int v = 0; v < NVECS; v++) {
+	for (int v = 0; v < BAKE_PACKET_WIDTH; v += VEC_LANES) {
 		vec_f best[BAKE_PACKET_HEIGHT], here[BAKE_PACKET_HEIGHT];
 
 		for (int r = 0; r < BAKE_PACKET_HEIGHT; r++) {
-			best[r] = vec_load(
-			    slopes + r * BAKE_STRIP_WIDTH + v * VEC_LANES);
-			here[r] =
-			    vec_load(base + (size_t)r * stride + v * VEC_LANES);
+			best[r] = vec_load(slopes + r * BAKE_STRIP_WIDTH + v);
+			here[r] = vec_load(base + (size_t)r * stride + v);
 		}
-		for (int i = 0; i < BAKE_CHUNK; i++) {
-			const float *p = texels + chunk->rel[i] + v * VEC_LANES;
-			const vec_f w0 = vec_set(chunk->w0[i]);
-			const vec_f w1 = vec_set(chunk->w1[i]);
-			vec_f h0, h1 = vec_load(p);
-
-			for (int r = 0; r < BAKE_PACKET_HEIGHT; r++) {
-				if (x_major) {
-					h0 = h1;
-				} else {
-					h0 = vec_load(p + (size_t)r * stride);
-				}
-				h1 = vec_load(p + (size_t)r * stride + minor);
-				best[r] = vec_max(
-				    w0 * (here[r] - h0) + w1 * (here[r] - h1),
-				    best[r]);
-			}
-		}
+		march_steps(m, chunk, texels + v, here, best, x_major);
 		for (int r = 0; r < BAKE_PACKET_HEIGHT; r++)
-			vec_store(slopes + r * BAKE_STRIP_WIDTH + v * VEC_LANES,
-			    best[r]);
+			vec_store(slopes + r * BAKE_STRIP_WIDTH + v, best[r]);
 	}
 }
 
@@ -183,10 +192,10 @@ packet_hit(const struct march *m, int packet, long c, const struct spot *spot)
 {
 	const struct bake_horizon *hz = m->hz;
 	const size_t stride = hz->heights.row_stride;
-	const vec_f d = vec_set(hz->places[c].reach);
+	const vec_f d = vec_set(m->ray->places[c].reach);
 	const size_t at = (size_t)packet * BAKE_PACKET_WIDTH;
 	const float *crest = hz->crests + (spot->texels - hz->padded) +
-			     hz->chunks[c].crest_rel + at;
+			     m->ray->chunks[c].crest_rel + at;
 	const float *here = m->base + at, *slopes = m->slopes + at;
 	unsigned rows = 0;
 
@@ -263,11 +272,11 @@ march_hits(const struct march *m, long c, const struct spot *spot,
 
 		if (__builtin_popcount(rows) >= WHOLE_PACKET) {
 			march_packet(
-			    m, &m->hz->chunks[c], spot->texels, p, x_major);
+			    m, &m->ray->chunks[c], spot->texels, p, x_major);
 			continue;
 		}
 		for (; rows != 0; rows &= rows - 1)
-			march_row(m, &m->hz->chunks[c], spot->texels, p,
+			march_row(m, &m->ray->chunks[c], spot->texels, p,
 			    __builtin_ctz(rows), x_major);
 	}
 }
@@ -276,39 +285,38 @@ march_hits(const struct march *m, long c, const struct spot *spot,
 static INLINE void
 march_dense(const struct march *m, long c, const bool x_major)
 {
-	const struct bake_horizon *hz = m->hz;
 	int x, y;
 
 	/* the near field has no windows */
-	find_texel(m, &hz->places[c], &x, &y);
+	find_texel(m, &m->ray->places[c], &x, &y);
 	for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
 		march_packet(
-		    m, &hz->chunks[c], texels_at(hz, x, y), p, x_major);
+		    m, &m->ray->chunks[c], texels_at(m->hz, x, y), p, x_major);
 }
 
 static INLINE void
 march_strip(struct march *m, const bool x_major)
 {
-	const struct bake_horizon *hz = m->hz;
+	const struct bake_horizon_ray *ray = m->ray;
 	long c = 0, length = 1;
 
-	if (c < hz->nchunks)
+	if (c < ray->nchunks)
 		march_dense(m, c++, x_major);
 	m->alive = m->raised = (1u << BAKE_STRIP_PACKETS) - 1;
-	while (c < hz->nchunks) {
+	while (c < ray->nchunks) {
 		const long end =
-		    c + length < hz->nchunks ? c + length : hz->nchunks;
-		const float from = hz->places[c].reach;
+		    c + length < ray->nchunks ? c + length : ray->nchunks;
+		const float from = ray->places[c].reach;
 		struct spot spots[SEGMENT];
 		unsigned hits[SEGMENT], any = 0;
 
-		bound_packets(m, from, hz->places[end - 1].reach);
+		bound_packets(m, from, ray->places[end - 1].reach);
 		if (m->alive == 0)
 			return;
 		for (int i = 0; i < end - c; i++) {
-			spots[i] = find_spot(m, &hz->places[c + i]);
+			spots[i] = find_spot(m, &ray->places[c + i]);
 			hits[i] = test_chunk(m, spots[i].windows,
-			    (hz->places[c + i].reach - from) * (1 - 0x1p-18f));
+			    (ray->places[c + i].reach - from) * (1 - 0x1p-18f));
 			any |= hits[i];
 			m->raised |= hits[i];
 		}
@@ -320,10 +328,12 @@ march_strip(struct march *m, const bool x_major)
 }
 
 static inline struct march
-start_march(const struct bake_horizon *hz, int x0, int y0, float *slopes)
+start_march(
+    const struct bake_horizon *hz, int side, int x0, int y0, float *slopes)
 {
 	return (struct march){
 		.hz = hz,
+		.ray = &hz->ray[side],
 		.x0 = x0,
 		.y0 = y0,
 		.base = bake_image_row(&hz->heights, y0) + x0,
@@ -333,31 +343,63 @@ start_march(const struct bake_horizon *hz, int x0, int y0, float *slopes)
 
 void
 BAKE_KERNEL(bake_horizon_strip)(
-    const struct bake_horizon *hz, int x0, int y0, float *slopes)
+    const struct bake_horizon *hz, int side, int x0, int y0, float *slopes)
 {
-	struct march m = start_march(hz, x0, y0, slopes);
+	struct march m = start_march(hz, side, x0, y0, slopes);
 
 	/* two clones, each with its branches decided */
-	if (hz->dir.x_major)
+	if (m.ray->dir.x_major)
 		march_strip(&m, true);
 	else
 		march_strip(&m, false);
 }
 
+/* The chunks before the far field for one packet, from slopes 0 on. */
+static INLINE void
+near_packet(const struct march *m, const float *const texels[NEAR_CHUNKS],
+    int packet, const bool x_major)
+{
+	const size_t stride = m->hz->heights.row_stride;
+	const size_t at = (size_t)packet * BAKE_PACKET_WIDTH;
+
+	for (int v = 0; v < BAKE_PACKET_WIDTH; v += VEC_LANES) {
+		vec_f best[BAKE_PACKET_HEIGHT], here[BAKE_PACKET_HEIGHT];
+
+		for (int r = 0; r < BAKE_PACKET_HEIGHT; r++) {
+			best[r] = vec_set(0);
+			here[r] =
+			    vec_load(m->base + at + v + (size_t)r * stride);
+		}
+		for (long c = 0; c < m->ray->nchunks; c++)
+			march_steps(m, &m->ray->chunks[c], texels[c] + at + v,
+			    here, best, x_major);
+		for (int r = 0; r < BAKE_PACKET_HEIGHT; r++)
+			vec_store(
+			    m->slopes + at + v + r * BAKE_STRIP_WIDTH, best[r]);
+	}
+}
+
 static INLINE void
 march_near(const struct march *m, const bool x_major)
 {
-	for (long c = 0; c < m->hz->nchunks; c++)
-		march_dense(m, c, x_major);
+	const float *texels[NEAR_CHUNKS];
+	int x, y;
+
+	for (long c = 0; c < m->ray->nchunks; c++) {
+		find_texel(m, &m->ray->places[c], &x, &y);
+		texels[c] = texels_at(m->hz, x, y);
+	}
+	for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
+		near_packet(m, texels, p, x_major);
 }
 
 void
 BAKE_KERNEL(bake_horizon_near)(
-    const struct bake_horizon *hz, int x0, int y0, float *slopes)
+    const struct bake_horizon *hz, int side, int x0, int y0, float *slopes)
 {
-	struct march m = start_march(hz, x0, y0, slopes);
+	struct march m = start_march(hz, side, x0, y0, slopes);
 
-	if (hz->dir.x_major)
+	if (m.ray->dir.x_major)
 		march_near(&m, true);
 	else
 		march_near(&m, false);
@@ -375,21 +417,22 @@ struct taps {
 static struct taps
 find_taps(const struct bake_horizon *hz, int y)
 {
+	const struct bake_horizon_dir *dir = &hz->ray[0].dir;
 	const ptrdiff_t stride = (ptrdiff_t)hz->heights.row_stride;
-	struct taps taps = { .minor = hz->dir.x_major ? stride : 1 };
+	struct taps taps = { .minor = dir->x_major ? stride : 1 };
 	int dx[BAKE_CHUNK];
 
 	for (int i = 0; i < BAKE_CHUNK; i++) {
 		const int minor =
-		    (int)floor(i * hz->dir.minor + BAKE_HORIZON_SNAP);
-		const int dy = hz->dir.x_major ? minor : i * hz->dir.major;
+		    (int)floor(i * dir->minor + BAKE_HORIZON_SNAP);
+		const int dy = dir->x_major ? minor : i * dir->major;
 		const int row = hz->wrap.clamp_v
 				    ? bake_horizon_wrap(y + dy,
 					  hz->heights.height, true, hz->top)
 				    : bake_wrap_index((long)y + dy,
 					  hz->heights.height, false);
 
-		dx[i] = hz->dir.x_major ? i * hz->dir.major : minor;
+		dx[i] = dir->x_major ? i * dir->major : minor;
 		taps.dx = dx[i] < taps.dx ? dx[i] : taps.dx;
 		taps.at[i] = hz->heights.data + row * stride;
 	}

@@ -148,9 +148,26 @@ bake_horizon_window_row(const struct bake_horizon_windows *w, int y2)
  *     P_(i+1)(b) = max(P_i(b), P_i(b + round(2^i u)))
  * A segment is one value of P_i. A texel of a block, counted right or down,
  * has its own place for it and its own distance below BAKE_FAR_SHARED; from
- * that level on the block's middle decides for all four.
+ * that level on the block's middle decides for all four. From BAKE_FAR_COARSE
+ * on only one in BAKE_FAR_MERGE blocks has a value, for all texels of that
+ * many: the first one that the ray meets.
  */
-enum { BAKE_FAR_BLOCK = 4, BAKE_FAR_LEVELS = 9, BAKE_FAR_SHARED = 2 };
+enum {
+	BAKE_FAR_BLOCK = 4,
+	BAKE_FAR_LEVELS = 9,
+	BAKE_FAR_SHARED = 2,
+	BAKE_FAR_COARSE = 4,
+	BAKE_FAR_MERGE = 4
+};
+
+/* How the values of a level lie in memory, in a direction. */
+struct bake_horizon_grid {
+	int block_width, block_height; /* texels of a value */
+	int width, height;             /* of the map, in values */
+	int left, top;                 /* of the border */
+	int columns, rows;             /* that a tile reads */
+	size_t stride;
+};
 
 struct bake_horizon_segment {
 	int level; /* i: BAKE_FAR_BLOCK 2^i steps */
@@ -165,16 +182,12 @@ struct bake_horizon_far {
 	int per_octave; /* segments */
 	double place;   /* in a segment, 0 .. 1 */
 
-	size_t level_size;
+	size_t size[2]; /* of a level, fine and coarse */
 	int nlevels;
 	float *levels; /* P_0, P_1 ... */
 
-	/* the present direction */
-	int block_width, block_height;
-	int width, height; /* of a level, in blocks */
-	int left, top;     /* of its border */
-	int columns, rows; /* that a tile reads */
-	size_t stride;
+	/* the present direction's, see bake_horizon_aim */
+	struct bake_horizon_grid grid[2]; /* fine and coarse */
 	struct {
 		int offset;       /* on the minor axis, rounded down */
 		float frac;       /* what is left of it */
@@ -182,17 +195,17 @@ struct bake_horizon_far {
 	int top_level;
 	struct {
 		int x, y;
-	} step[BAKE_FAR_LEVELS]; /* round(2^i u) */
-	long nsegments;
-	struct bake_horizon_segment *segments;
+	} step[BAKE_FAR_LEVELS]; /* round(2^i u), in values of level i */
 };
 
-/* Segments first .. first + n - 1, and where a tile finds them: the block that
+/* Some segments, and where a tile finds them: the block that
  * goes with its first texel, for each texel of a block. */
 enum { BAKE_FAR_SPAN = 32 };
 struct bake_horizon_span {
-	long first;
-	int n, nseparate; /* below BAKE_FAR_SHARED, which come first */
+	const struct bake_horizon_segment *segments;
+	int n;
+	int nseparate; /* below BAKE_FAR_SHARED, which come first */
+	int nfine;     /* below BAKE_FAR_COARSE, of all */
 	const float *origin[BAKE_FAR_SPAN][BAKE_FAR_BLOCK];
 };
 
@@ -215,6 +228,17 @@ enum bake_horizon_quality {
 	BAKE_HORIZON_PREVIEW
 };
 
+/* One of the directions that the march is turned to. */
+struct bake_horizon_ray {
+	struct bake_horizon_dir dir;
+	bool opposite; /* to the one that the tables are made for */
+	long nchunks;  /* that it is marched in */
+	struct bake_horizon_place *places;
+	struct bake_horizon_chunk *chunks;
+	long nsegments; /* of the far field */
+	struct bake_horizon_segment *segments;
+};
+
 /* What the marches of one bake share. */
 struct bake_horizon {
 	/* the heights and, around them, a border of what lies beyond: left
@@ -228,19 +252,18 @@ struct bake_horizon {
 	double radius;
 	int periods;
 
-	/* the present direction */
-	struct bake_horizon_dir dir;
-	long nchunks; /* that the ray is marched in */
-	struct bake_horizon_place *places;
-	struct bake_horizon_chunk *chunks;
+	/* the present direction and, where there is one, its opposite, which
+	 * shares the tables: they hold maxima of pieces of rays, whichever way
+	 * one goes through them */
+	struct bake_horizon_ray ray[2];
+	int nrays;
 
-	/* exact, of the direction: the highest height that a chunk with its
+	/* exact, of ray[0]: the highest height that a chunk with its
 	 * origin at (x, y) can read for a packet, columns x rows blocks */
 	struct bake_horizon_windows windows;
 	int columns, rows;
 	struct bake_horizon_windows blocks; /* 2 x 2 texels each */
-	float *scratch;                     /* [nthreads] rows of windows */
-	/* exact, of the direction and each texel of the map and its border,
+	/* exact, of ray[0] and each texel of the map and its border,
 	 * laid out as padded: the highest texel that a chunk's samples can
 	 * touch when its first is between the texel and its neighbour on the
 	 * minor axis */
@@ -248,6 +271,9 @@ struct bake_horizon {
 
 	bool exact;
 	struct bake_horizon_far far; /* else */
+
+	float *scratch; /* [nthreads] rows: 2 of windows, or 1 of a level */
+	size_t scratch_row;
 };
 
 /* Where a tile or strip finds origin i of an axis, an offset being reduced: on
@@ -274,17 +300,18 @@ enum bake_status bake_horizon_init(struct bake_horizon *hz,
 void bake_horizon_free(struct bake_horizon *hz);
 
 /*
- * Turn to direction j of n. Called by all threads of an OpenMP team of at
- * most init's nthreads, which share the work; all return when it is done.
+ * Turn to direction j of n, 0 <= j < n, and, where n is even, to the opposite
+ * one, j + n / 2. Called by all threads of an OpenMP team of at most init's
+ * nthreads, which share the work; all return when it is done.
  */
 void bake_horizon_aim(struct bake_horizon *hz, int j, int n);
 
 /*
- * slopes[row][column] of the texels (x0 + column, y0 + row) of one tile in the
- * present direction, x0 and y0 multiples of the tile's size. Values of texels
+ * slopes[row][column] of the texels (x0 + column, y0 + row) of one tile along
+ * hz->ray[side], x0 and y0 multiples of the tile's size. Values of texels
  * beyond the map are unspecified, but finite. Reentrant.
  */
-void bake_horizon_tile(const struct bake_horizon *hz, int x0, int y0,
+void bake_horizon_tile(const struct bake_horizon *hz, int side, int x0, int y0,
     float slopes[BAKE_TILE_TEXELS]);
 
 /* The windows with origins on row 2 y2 of the border, from the blocks;
@@ -301,33 +328,29 @@ void bake_horizon_crest_row_baseline(const struct bake_horizon *hz, int y);
 void bake_horizon_crest_row_avx2(const struct bake_horizon *hz, int y);
 void bake_horizon_crest_row_avx512(const struct bake_horizon *hz, int y);
 
-/* One strip, its first texel (x0, y0), in the present direction;
- * slopes[4][64] are raised. */
+/* One strip, its first texel (x0, y0), along hz->ray[side]; slopes[4][64] are
+ * raised. */
 void bake_horizon_strip_baseline(
-    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+    const struct bake_horizon *hz, int side, int x0, int y0, float *slopes);
 void bake_horizon_strip_avx2(
-    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+    const struct bake_horizon *hz, int side, int x0, int y0, float *slopes);
 void bake_horizon_strip_avx512(
-    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+    const struct bake_horizon *hz, int side, int x0, int y0, float *slopes);
 
 /* The same, dense, for the chunks before the far field. */
 void bake_horizon_near_baseline(
-    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+    const struct bake_horizon *hz, int side, int x0, int y0, float *slopes);
 void bake_horizon_near_avx2(
-    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+    const struct bake_horizon *hz, int side, int x0, int y0, float *slopes);
 void bake_horizon_near_avx512(
-    const struct bake_horizon *hz, int x0, int y0, float *slopes);
+    const struct bake_horizon *hz, int side, int x0, int y0, float *slopes);
 
 /* Make the far field of a horizon whose heights are there, turn it to the
- * present direction (by a team, as bake_horizon_aim), free it. */
+ * present rays (by a team, as bake_horizon_aim), free it. */
 enum bake_status bake_horizon_far_init(
-    struct bake_horizon *hz, struct bake_err *err);
+    struct bake_horizon *hz, int nthreads, struct bake_err *err);
 void bake_horizon_far_aim(struct bake_horizon *hz);
 void bake_horizon_far_free(struct bake_horizon_far *far);
-
-/* Block (0, y) of a level; -top <= y. */
-float *bake_horizon_far_row(
-    const struct bake_horizon_far *far, int level, int y);
 
 /* dst = max(a, b) */
 void bake_horizon_higher_baseline(
@@ -348,10 +371,10 @@ void bake_horizon_far_blocks_avx2(
 void bake_horizon_far_blocks_avx512(
     float *dst, const struct bake_horizon_blocks *blocks, size_t n);
 
-/* The next segments for the tile at (x0, y0), and fetch them into the cache;
- * returns the first of those after them. */
-long bake_horizon_far_span(const struct bake_horizon *hz, int x0, int y0,
-    long first, struct bake_horizon_span *span);
+/* The next segments of hz->ray[side] for the tile at (x0, y0); returns the
+ * first of those after them. */
+long bake_horizon_far_span(const struct bake_horizon *hz, int side, int x0,
+    int y0, long first, struct bake_horizon_span *span);
 
 /* Raise the slopes of one tile, its first texel at base, by these segments. */
 void bake_horizon_far_march_baseline(const struct bake_horizon *hz,

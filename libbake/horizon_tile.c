@@ -121,19 +121,23 @@ reduce_offset(long offset, int size, bool clamp)
 }
 
 static void
-make_chunk(const struct bake_horizon *hz, long c)
+make_chunk(
+    const struct bake_horizon *hz, const struct bake_horizon_ray *ray, long c)
 {
-	struct bake_horizon_chunk *chunk = &hz->chunks[c];
+	const struct bake_horizon_dir *dir = &ray->dir;
+	struct bake_horizon_chunk *chunk = &ray->chunks[c];
 	struct bake_horizon_step steps[BAKE_CHUNK];
 	const long stride = (long)hz->heights.row_stride;
 	const long first = c * BAKE_CHUNK + 1;
+	/* the sample that is the first one for the crests */
+	const long end = ray->opposite ? first + BAKE_CHUNK - 1 : first;
 	const long minor =
-	    (long)floor((double)first * hz->dir.minor + BAKE_HORIZON_SNAP);
+	    (long)floor((double)end * dir->minor + BAKE_HORIZON_SNAP);
 	long x = LONG_MAX, y = LONG_MAX;
 
 	for (int i = 0; i < BAKE_CHUNK; i++) {
-		steps[i] = bake_horizon_step(&hz->dir, first + i);
-		if (first + i > hz->dir.nsteps)
+		steps[i] = bake_horizon_step(dir, first + i);
+		if (first + i > dir->nsteps)
 			steps[i].w0 = steps[i].w1 = 0;
 		x = steps[i].dx < x ? steps[i].dx : x;
 		y = steps[i].dy < y ? steps[i].dy : y;
@@ -145,37 +149,49 @@ make_chunk(const struct bake_horizon *hz, long c)
 		chunk->w1[i] = -steps[i].w1;
 	}
 	chunk->crest_rel =
-	    hz->dir.x_major
-		? (int)((minor - y) * stride + first * hz->dir.major - x)
-		: (int)((first * hz->dir.major - y) * stride + minor - x);
-	hz->places[c] = (struct bake_horizon_place){
+	    dir->x_major ? (int)((minor - y) * stride + end * dir->major - x)
+			 : (int)((end * dir->major - y) * stride + minor - x);
+	ray->places[c] = (struct bake_horizon_place){
 		reduce_offset(x, hz->heights.width, hz->wrap.clamp_u),
 		reduce_offset(y, hz->heights.height, hz->wrap.clamp_v),
-		(float)((double)first * hz->dir.pitch * (1 - 0x1p-19)),
+		(float)((double)first * dir->pitch * (1 - 0x1p-19)),
 	};
 }
 
+static long
+count_chunks(const struct bake_horizon *hz, long nsteps)
+{
+	const long n = (nsteps + BAKE_CHUNK - 1) / BAKE_CHUNK;
+	const long near = hz->far.near / BAKE_CHUNK;
+
+	return hz->exact || n < near ? n : near;
+}
+
 /*
- * Set up the direction, without its tables. 8 steps run over ceil(7 |m|)
+ * Set up the rays, without the tables. 8 steps run over ceil(7 |m|)
  * texels of the minor axis at most; interpolation reads one more, and so does
  * a window that serves the odd texels as well.
  */
 static void
 set_direction(struct bake_horizon *hz, int j, int n)
 {
+	const struct bake_horizon_dir *dir = &hz->ray[0].dir;
 	int major = BAKE_CHUNK - 1, minor;
 
-	bake_horizon_dir_init(&hz->dir, j, n, hz->heights.width,
-	    hz->heights.height, hz->radius, hz->periods);
-	hz->nchunks = (hz->dir.nsteps + BAKE_CHUNK - 1) / BAKE_CHUNK;
-	if (!hz->exact && hz->nchunks > hz->far.near / BAKE_CHUNK)
-		hz->nchunks = hz->far.near / BAKE_CHUNK;
-	minor = (int)ceil(fabs(hz->dir.minor) * (BAKE_CHUNK - 1)) + 1;
+	hz->nrays = n % 2 == 0 ? 2 : 1;
+	for (int side = 0; side < hz->nrays; side++) {
+		struct bake_horizon_ray *ray = &hz->ray[side];
+
+		bake_horizon_dir_init(&ray->dir, (j + side * (n / 2)) % n, n,
+		    hz->heights.width, hz->heights.height, hz->radius,
+		    hz->periods);
+		ray->nchunks = count_chunks(hz, ray->dir.nsteps);
+	}
+	minor = (int)ceil(fabs(dir->minor) * (BAKE_CHUNK - 1)) + 1;
 	hz->columns =
-	    (BAKE_PACKET_WIDTH + 1 + (hz->dir.x_major ? major : minor) + 1) / 2;
+	    (BAKE_PACKET_WIDTH + 1 + (dir->x_major ? major : minor) + 1) / 2;
 	hz->rows =
-	    (BAKE_PACKET_HEIGHT + 1 + (hz->dir.x_major ? minor : major) + 1) /
-	    2;
+	    (BAKE_PACKET_HEIGHT + 1 + (dir->x_major ? minor : major) + 1) / 2;
 }
 
 void
@@ -185,13 +201,13 @@ bake_horizon_aim(struct bake_horizon *hz, int j, int n)
 	    BAKE_KERNEL_TABLE(bake_horizon_crest_row);
 	static void (*const windows_row[])(const struct bake_horizon *, int,
 	    float *) = BAKE_KERNEL_TABLE(bake_horizon_windows_row);
-	const size_t scratch = 2 * BAKE_WINDOW_PHASES * hz->windows.stride;
 
 #pragma omp single
 	set_direction(hz, j, n);
+	for (int side = 0; side < hz->nrays; side++)
 #pragma omp for schedule(static) nowait
-	for (long c = 0; c < hz->nchunks; c++)
-		make_chunk(hz, c);
+		for (long c = 0; c < hz->ray[side].nchunks; c++)
+			make_chunk(hz, &hz->ray[side], c);
 	if (!hz->exact) {
 		bake_horizon_far_aim(hz);
 		return;
@@ -199,7 +215,8 @@ bake_horizon_aim(struct bake_horizon *hz, int j, int n)
 #pragma omp for schedule(static) nowait
 	for (int y2 = 0; y2 < window_nrows(hz); y2++)
 		windows_row[hz->isa](hz, y2,
-		    hz->scratch + scratch * (size_t)omp_get_thread_num());
+		    hz->scratch +
+			hz->scratch_row * (size_t)omp_get_thread_num());
 #pragma omp for schedule(static)
 	for (int y = 0; y < hz->padded_height; y++)
 		crest_row[hz->isa](hz, y - hz->top);
@@ -214,10 +231,10 @@ alloc_tables(struct bake_horizon *hz, int nthreads, struct bake_err *err)
 
 	hz->windows.stride = hz->blocks.stride =
 	    (size_t)hz->padded_width / 8 + 1;
+	hz->scratch_row = 2 * hz->windows.stride * BAKE_WINDOW_PHASES;
 	if (!bake_mul_size(hz->windows.stride * BAKE_WINDOW_PHASES, nblock_rows,
 		&nwindows) ||
-	    !bake_mul_size(2 * hz->windows.stride * BAKE_WINDOW_PHASES,
-		(size_t)nthreads, &nscratch))
+	    !bake_mul_size(hz->scratch_row, (size_t)nthreads, &nscratch))
 		return bake_fail(err, BAKE_ENOMEM,
 		    "%dx%d texels do not fit in memory", hz->heights.width,
 		    hz->heights.height);
@@ -248,9 +265,16 @@ alloc_chunks(struct bake_horizon *hz, struct bake_err *err)
 		BAKE_CHUNK +
 	    1;
 
-	hz->places = bake_alloc(n, sizeof *hz->places, err);
-	hz->chunks = bake_alloc(n, sizeof *hz->chunks, err);
-	return hz->places != NULL && hz->chunks != NULL ? BAKE_OK : BAKE_ENOMEM;
+	for (int side = 0; side < 2; side++) {
+		struct bake_horizon_ray *ray = &hz->ray[side];
+
+		ray->opposite = side == 1;
+		ray->places = bake_alloc(n, sizeof *ray->places, err);
+		ray->chunks = bake_alloc(n, sizeof *ray->chunks, err);
+		if (ray->places == NULL || ray->chunks == NULL)
+			return BAKE_ENOMEM;
+	}
+	return BAKE_OK;
 }
 
 enum bake_status
@@ -279,15 +303,18 @@ bake_horizon_init(struct bake_horizon *hz, const struct bake_image *depth,
 	    (rc = alloc_chunks(hz, err)) != BAKE_OK)
 		return rc;
 	return hz->exact ? alloc_tables(hz, nthreads, err)
-			 : bake_horizon_far_init(hz, err);
+			 : bake_horizon_far_init(hz, nthreads, err);
 }
 
 void
 bake_horizon_free(struct bake_horizon *hz)
 {
 	free(hz->padded);
-	free(hz->places);
-	free(hz->chunks);
+	for (int side = 0; side < 2; side++) {
+		free(hz->ray[side].places);
+		free(hz->ray[side].chunks);
+		free(hz->ray[side].segments);
+	}
 	free(hz->windows.data);
 	free(hz->blocks.data);
 	free(hz->scratch);
@@ -296,44 +323,46 @@ bake_horizon_free(struct bake_horizon *hz)
 	*hz = (struct bake_horizon){ .padded = NULL };
 }
 
-/* Near field and far; the far field's first segments are on their way into the
- * cache while the near field is marched. */
 static void
-march_fast(
-    const struct bake_horizon *hz, int x0, int y0, int nrows, float *slopes)
+march_fast(const struct bake_horizon *hz, int side, int x0, int y0, int nrows,
+    float *slopes)
 {
-	static void (*const near[])(const struct bake_horizon *, int, int,
+	static void (*const near[])(const struct bake_horizon *, int, int, int,
 	    float *) = BAKE_KERNEL_TABLE(bake_horizon_near);
 	static void (*const far[])(const struct bake_horizon *,
 	    const struct bake_horizon_span *, const float *, float *) =
 	    BAKE_KERNEL_TABLE(bake_horizon_far_march);
 	struct bake_horizon_span span;
-	long next = bake_horizon_far_span(hz, x0, y0, 0, &span);
+	long next;
 
 	for (int y = 0; y < nrows; y += BAKE_PACKET_HEIGHT)
-		near[hz->isa](hz, x0, y0 + y, slopes + y * BAKE_TILE_WIDTH);
+		near[hz->isa](
+		    hz, side, x0, y0 + y, slopes + y * BAKE_TILE_WIDTH);
+	next = bake_horizon_far_span(hz, side, x0, y0, 0, &span);
 	while (span.n > 0) {
 		far[hz->isa](
 		    hz, &span, bake_image_row(&hz->heights, y0) + x0, slopes);
-		next = bake_horizon_far_span(hz, x0, y0, next, &span);
+		next = bake_horizon_far_span(hz, side, x0, y0, next, &span);
 	}
 }
 
 void
-bake_horizon_tile(const struct bake_horizon *hz, int x0, int y0,
+bake_horizon_tile(const struct bake_horizon *hz, int side, int x0, int y0,
     float slopes[BAKE_TILE_TEXELS])
 {
-	static void (*const strip[])(const struct bake_horizon *, int, int,
+	static void (*const strip[])(const struct bake_horizon *, int, int, int,
 	    float *) = BAKE_KERNEL_TABLE(bake_horizon_strip);
 	const int left = hz->heights.height - y0;
 	const int nrows = left < BAKE_TILE_HEIGHT ? left : BAKE_TILE_HEIGHT;
 
-	for (int t = 0; t < BAKE_TILE_TEXELS; t++)
+	for (int t = hz->exact ? 0 : nrows * BAKE_TILE_WIDTH;
+	     t < BAKE_TILE_TEXELS; t++)
 		slopes[t] = 0;
 	if (!hz->exact) {
-		march_fast(hz, x0, y0, nrows, slopes);
+		march_fast(hz, side, x0, y0, nrows, slopes);
 		return;
 	}
 	for (int y = 0; y < nrows; y += BAKE_PACKET_HEIGHT)
-		strip[hz->isa](hz, x0, y0 + y, slopes + y * BAKE_TILE_WIDTH);
+		strip[hz->isa](
+		    hz, side, x0, y0 + y, slopes + y * BAKE_TILE_WIDTH);
 }

@@ -77,7 +77,7 @@ shade_tile(const struct render *r, int x0, int y0)
 {
 	float slopes[BAKE_TILE_TEXELS];
 
-	bake_horizon_tile(&r->horizon, x0, y0, slopes);
+	bake_horizon_tile(&r->horizon, 0, x0, y0, slopes);
 	for (int y = 0; y < BAKE_TILE_HEIGHT && y0 + y < r->depth->height; y++)
 		for (int x = 0; x < BAKE_TILE_WIDTH && x0 + x < r->depth->width;
 		     x++)

@@ -11,7 +11,7 @@
  * that a NaN in a is dropped and -0 against 0 yields b.
  *
  * vec_unzip parts e0 o0 e1 o1 ..., which begins in a and ends in b, into e and
- * o; vec_zip puts it together again.
+ * o; vec_zip puts it together again. vec_spread loads p0 p0 p0 p0 p1 ...
  */
 #if defined(__AVX512F__) && !defined(BAKE_VEC_256)
 #include <immintrin.h>
@@ -65,6 +65,14 @@ static inline float
 vec_lowest(vec_f a)
 {
 	return _mm512_reduce_min_ps(a);
+}
+
+static inline vec_f
+vec_spread(const float *p)
+{
+	return _mm512_permutexvar_ps(
+	    _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3),
+	    _mm512_castps128_ps512(_mm_loadu_ps(p)));
 }
 
 static inline void
@@ -149,6 +157,13 @@ vec_lowest(vec_f a)
 }
 
 static inline vec_f
+vec_spread(const float *p)
+{
+	return _mm256_insertf128_ps(
+	    _mm256_castps128_ps256(_mm_set1_ps(p[0])), _mm_set1_ps(p[1]), 1);
+}
+
+static inline vec_f
 vec_middle_swapped(vec_f a)
 {
 	return _mm256_castpd_ps(
@@ -223,6 +238,12 @@ vec_lowest(vec_f a)
 {
 	a = _mm_min_ps(a, _mm_movehl_ps(a, a));
 	return _mm_cvtss_f32(_mm_min_ss(a, _mm_shuffle_ps(a, a, 1)));
+}
+
+static inline vec_f
+vec_spread(const float *p)
+{
+	return _mm_set1_ps(p[0]);
 }
 
 static inline void
@@ -314,6 +335,12 @@ vec_lowest(vec_f a)
 	for (int i = 1; i < VEC_LANES; i++)
 		low = a[i] < low ? a[i] : low;
 	return low;
+}
+
+static inline vec_f
+vec_spread(const float *p)
+{
+	return vec_set(p[0]);
 }
 
 static inline void

@@ -62,26 +62,32 @@ height_at(const struct bake_horizon *hz, long x, long y)
 	    x, h->width, hz->wrap.clamp_u)];
 }
 
-/* P_i of ao.h at block u of the major axis, texel v of the minor, as it is
- * written there. */
+/* P_i of ao.h at block u of the major axis, or from i = 4 on at four blocks,
+ * and texel v of the minor, as it is written there. */
 static float
 run_maximum(const struct bake_horizon *hz, int i, long u, long v)
 {
-	const struct bake_horizon_dir *dir = &hz->dir;
+	const struct bake_horizon_dir *dir = &hz->ray[0].dir;
 	const int width = hz->heights.width, height = hz->heights.height;
 	const int length = dir->x_major ? width : height;
 	const bool clamp_u = hz->wrap.clamp_u, clamp_v = hz->wrap.clamp_v;
 	const bool clamp = dir->x_major ? clamp_u : clamp_v;
-	const long block = bake_wrap_index(u, (length + 3) / 4, clamp);
+	const int size = i < 4 ? 4 : 16;
+	const long block =
+	    bake_wrap_index(u, (length + size - 1) / size, clamp);
 	const long at = bake_wrap_index(
 	    v, dir->x_major ? height : width, dir->x_major ? clamp_v : clamp_u);
 	float high = -INFINITY;
 
 	if (i > 0) {
 		const long run = 1L << (i - 1);
+		/* the first of four that the ray meets, where they merge */
+		const long begin =
+		    i != 4 ? block : 4 * block + (dir->major > 0 ? 0 : 3);
+		const long blocks = i <= 4 ? run : run / 4;
 
-		return fmaxf(run_maximum(hz, i - 1, block, at),
-		    run_maximum(hz, i - 1, block + run * dir->major,
+		return fmaxf(run_maximum(hz, i - 1, begin, at),
+		    run_maximum(hz, i - 1, begin + blocks * dir->major,
 			at + (long)floor(4 * (double)run * dir->minor + 0.5)));
 	}
 	for (int k = 0; k < 4; k++) {
@@ -109,13 +115,14 @@ run_maximum(const struct bake_horizon *hz, int i, long u, long v)
 
 /* The march of fast and preview, as it is defined in ao.h. */
 static float
-march_far(const struct bake_horizon *hz, enum bake_horizon_quality quality,
-    int x, int y)
+march_far(const struct bake_horizon *hz, int side,
+    enum bake_horizon_quality quality, int x, int y)
 {
 	const int near = quality == BAKE_HORIZON_FAST ? 16 : 8;
 	const int per_octave = quality == BAKE_HORIZON_FAST ? 4 : 2;
 	const float h = bake_image_row(&hz->heights, y)[x];
-	struct bake_horizon_dir dir = hz->dir;
+	const long nsteps = hz->ray[side].dir.nsteps;
+	struct bake_horizon_dir dir = hz->ray[side].dir;
 	const int u = dir.x_major ? x : y, v = dir.x_major ? y : x;
 	const int met = dir.major > 0 ? u % 4 : 3 - u % 4;
 	long length;
@@ -123,17 +130,23 @@ march_far(const struct bake_horizon *hz, enum bake_horizon_quality quality,
 
 	dir.nsteps = dir.nsteps < near ? dir.nsteps : near;
 	best = bake_horizon_march(&hz->heights, hz->wrap, &dir, x, y);
-	for (long k = near; k < hz->dir.nsteps; k += length) {
-		int i = 0;
-		double from;
+	for (long k = near; k < nsteps; k += length) {
+		int i = 0, block;
+		double from, enter;
 		float high, weight;
 
 		for (length = 4; length < 1024 && 2 * length * per_octave <= k;
 		     length *= 2)
 			i++;
-		from = (double)k - (length < 16 ? met : 1.5);
-		high = run_maximum(hz, i, u / 4 + k / 4 * dir.major,
-		    v + (long)floor(from * dir.minor + 0.5));
+		from = (double)k - (length < 16      ? met
+				       : length < 64 ? 1.5
+						     : 7.5);
+		/* the opposite ray's segment ends where the run begins */
+		enter = side == 0 ? 0 : (double)length - 1;
+		block = length < 64 ? 4 : 16;
+		high = run_maximum(hz, i,
+		    u / block + (k + (long)enter) / block * dir.major,
+		    v + (long)floor((from + enter) * dir.minor + 0.5));
 		weight = (float)(1 / ((from + 0.85 * (double)(length - 1)) *
 					 dir.pitch));
 		best = fmaxf(best, weight * (high - h));
@@ -141,11 +154,36 @@ march_far(const struct bake_horizon *hz, enum bake_horizon_quality quality,
 	return best;
 }
 
-/* The number of texels where tile and plain march differ, all directions. */
+/* The number of texels of a tile where it and the plain march differ. */
+static int
+count_in_tile(const struct bake_horizon *hz, const struct setup *s, int side,
+    int x0, int y0)
+{
+	static float slopes[BAKE_TILE_TEXELS];
+	int ndiffer = 0;
+
+	bake_horizon_tile(hz, side, x0, y0, slopes);
+	for (int i = 0; i < BAKE_TILE_TEXELS; i++) {
+		int x = x0 + i % BAKE_TILE_WIDTH;
+		int y = y0 + i / BAKE_TILE_WIDTH;
+		float want;
+
+		if (x >= hz->heights.width || y >= hz->heights.height)
+			continue;
+		want = s->quality == BAKE_HORIZON_EXACT
+			   ? bake_horizon_march(&hz->heights, s->wrap,
+				 &hz->ray[side].dir, x, y)
+			   : march_far(hz, side, s->quality, x, y);
+		ndiffer += memcmp(&want, &slopes[i], sizeof want) != 0;
+	}
+	return ndiffer;
+}
+
+/* The same of a map, in all directions. */
 static int
 count_differences(const struct bake_image *depth, const struct setup *s)
 {
-	static float slopes[BAKE_TILE_TEXELS];
+	const int nturns = s->ndirs % 2 == 0 ? s->ndirs / 2 : s->ndirs;
 	struct bake_horizon hz;
 	struct bake_err err = BAKE_ERR_INIT;
 	int ndiffer = 0;
@@ -153,31 +191,16 @@ count_differences(const struct bake_image *depth, const struct setup *s)
 	CHECK_OK(bake_horizon_init(&hz, depth, s->wrap, s->radius, s->periods,
 		     s->quality, 1, &err),
 	    err);
-	for (int j = 0; j < s->ndirs; j++) {
+	for (int j = 0; j < nturns; j++) {
 		bake_horizon_aim(&hz, j, s->ndirs);
-		for (int t = 0; t < depth->width * depth->height; t++) {
-			int x = t % depth->width, y = t / depth->width;
-			int tx = x % BAKE_TILE_WIDTH;
-			int ty = y % BAKE_TILE_HEIGHT;
-
-			if (tx != 0 || ty != 0)
-				continue;
-			bake_horizon_tile(&hz, x, y, slopes);
-			for (int i = 0; i < BAKE_TILE_TEXELS; i++) {
-				int px = x + i % BAKE_TILE_WIDTH;
-				int py = y + i / BAKE_TILE_WIDTH;
-				float want;
-
-				if (px >= depth->width || py >= depth->height)
-					continue;
-				want = s->quality == BAKE_HORIZON_EXACT
-					   ? bake_horizon_march(&hz.heights,
-						 s->wrap, &hz.dir, px, py)
-					   : march_far(&hz, s->quality, px, py);
-				ndiffer +=
-				    memcmp(&want, &slopes[i], sizeof want) != 0;
-			}
-		}
+		CHECK(hz.nrays == s->ndirs / nturns);
+		for (int side = 0; side < hz.nrays; side++)
+			for (int y = 0; y < depth->height;
+			     y += BAKE_TILE_HEIGHT)
+				for (int x = 0; x < depth->width;
+				     x += BAKE_TILE_WIDTH)
+					ndiffer +=
+					    count_in_tile(&hz, s, side, x, y);
 	}
 	bake_horizon_free(&hz);
 	return ndiffer;
