@@ -1,8 +1,7 @@
 /* The fast march along the rays of a strip, for one instruction set. */
 /* SPDX-License-Identifier: MIT */
 #define BAKE_VEC_256 /* a packet's row is 8 texels */
-#include <math.h>
-#include <string.h>
+#include <stdint.h>
 
 #include "horizon_priv.h"
 #include "isa.h"
@@ -10,11 +9,11 @@
 
 enum { SEGMENT = 8 }; /* most chunks that are tested before one is marched */
 enum { WHOLE_PACKET = 3 }; /* rows from which a packet is cheaper */
-enum { NVECS = BAKE_PACKET_WIDTH / VEC_LANES }; /* vectors in a row */
+/* most live texels for each live packet that are marched one by one */
+enum { LONERS_A_PACKET = 4 };
+enum { LONERS_MAX = LONERS_A_PACKET * BAKE_STRIP_PACKETS };
+_Static_assert(LONERS_MAX == 32, "a bit each in a word");
 enum { NEAR_CHUNKS = 2 }; /* most that a far field leaves */
-
-/* this far right of a clamped map, nothing but its border is looked at */
-enum { ALL_BORDER = 40 };
 
 #define INLINE inline __attribute__((always_inline))
 
@@ -26,6 +25,9 @@ struct march {
 	float *slopes;
 	unsigned alive;  /* packets that a test may hit */
 	unsigned raised; /* packets marched since they were bounded */
+	/* the packets' texels, row by row, with a bound below all of the map's
+	 * highest when it was last looked at; none of dead packets */
+	uint32_t live[BAKE_STRIP_PACKETS];
 	float ahead[BAKE_STRIP_PACKETS]; /* bound at the segment's end */
 	float floor[BAKE_STRIP_PACKETS]; /* see bound_packets */
 	float incline[BAKE_STRIP_PACKETS];
@@ -159,26 +161,29 @@ march_row(const struct march *m, const struct bake_horizon_chunk *chunk,
 /*
  * The lowest height above the horizons of a packet at distance reach: the
  * least h + slope * reach, rounded down by slack unless the slope is 0.
- * Nothing below it can raise a horizon at that distance.
+ * Nothing below it can raise a horizon at that distance. *live: the texels
+ * that something may raise there.
  */
 static INLINE float
-packet_bound(const struct march *m, int packet, float reach)
+packet_bound(const struct march *m, int packet, float reach, uint32_t *live)
 {
 	const size_t stride = m->hz->heights.row_stride;
 	const vec_f d = vec_set(reach), slack = vec_set(m->hz->slack);
+	const vec_f highest = vec_set(m->hz->highest);
 	const float *base = m->base + packet * BAKE_PACKET_WIDTH;
 	const float *slopes = m->slopes + packet * BAKE_PACKET_WIDTH;
 	vec_f low = vec_set(1e38f);
 
+	*live = 0;
 	for (int r = 0; r < BAKE_PACKET_HEIGHT; r++)
-		for (int v = 0; v < NVECS; v++) {
-			vec_f s = vec_load(
-			    slopes + r * BAKE_STRIP_WIDTH + v * VEC_LANES);
-			vec_f h =
-			    vec_load(base + (size_t)r * stride + v * VEC_LANES);
+		for (int v = 0; v < BAKE_PACKET_WIDTH; v += VEC_LANES) {
+			vec_f s = vec_load(slopes + r * BAKE_STRIP_WIDTH + v);
+			vec_f h = vec_load(base + (size_t)r * stride + v);
+			vec_f bound = h + vec_max(s * d - slack, vec_set(0));
 
-			low = vec_min(
-			    h + vec_max(s * d - slack, vec_set(0)), low);
+			low = vec_min(bound, low);
+			*live |= (uint32_t)vec_gt_mask(highest, bound)
+				 << (r * BAKE_PACKET_WIDTH + v);
 		}
 	return vec_lowest(low);
 }
@@ -225,19 +230,22 @@ static void
 bound_packets(struct march *m, float from, float to)
 {
 	for (int p = 0; p < BAKE_STRIP_PACKETS; p++) {
+		uint32_t live;
 		float a, b;
 
 		if (!(m->alive >> p & 1))
 			continue;
 		/* an older bound, at a smaller distance, holds as well */
-		a = m->raised >> p & 1 ? packet_bound(m, p, from) : m->ahead[p];
+		a = m->raised >> p & 1 ? packet_bound(m, p, from, &m->live[p])
+				       : m->ahead[p];
 		if (a >= m->hz->highest) {
 			m->alive &= ~(1u << p);
+			m->live[p] = 0;
 			m->floor[p] = 3e38f;
 			m->incline[p] = 0;
 			continue;
 		}
-		b = to > from ? packet_bound(m, p, to) : a;
+		b = to > from ? packet_bound(m, p, to, &live) : a;
 		m->floor[p] = a;
 		m->ahead[p] = b;
 		m->incline[p] = to > from ? (b - a) / (to - from) : 0;
@@ -294,9 +302,130 @@ march_dense(const struct march *m, long c, const bool x_major)
 		    m, &m->ray->chunks[c], texels_at(m->hz, x, y), p, x_major);
 }
 
+/*
+ * Where few of a packet's texels are live, as the tops of grain are, they are
+ * marched one by one.
+ */
+struct loners {
+	int n;
+	int at[LONERS_MAX]; /* in heights and crests, from the strip's first */
+	int slot[LONERS_MAX]; /* in slopes */
+	float here[LONERS_MAX], slope[LONERS_MAX];
+};
+
+/* Whether the live texels are few, and which. */
+static bool
+find_loners(const struct march *m, struct loners *l)
+{
+	const int stride = (int)m->hz->heights.row_stride;
+	int nlive = 0;
+
+	for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
+		nlive += __builtin_popcount(m->live[p]);
+	if (nlive > LONERS_A_PACKET * __builtin_popcount(m->alive))
+		return false;
+	l->n = 0;
+	for (int p = 0; p < BAKE_STRIP_PACKETS; p++)
+		for (uint32_t live = m->live[p]; live != 0; live &= live - 1) {
+			const int t = __builtin_ctz(live);
+			const int x =
+			    p * BAKE_PACKET_WIDTH + t % BAKE_PACKET_WIDTH;
+			const int y = t / BAKE_PACKET_WIDTH;
+
+			l->at[l->n] = y * stride + x;
+			l->slot[l->n] = y * BAKE_STRIP_WIDTH + x;
+			l->here[l->n] = m->base[l->at[l->n]];
+			l->slope[l->n] = m->slopes[l->slot[l->n]];
+			l->n++;
+		}
+	return true;
+}
+
+/* Keep those that something at this distance or beyond may raise, by
+ * packet_bound's rule. */
+static void
+drop_loners(const struct march *m, struct loners *l, float reach)
+{
+	int n = 0;
+
+	for (int i = 0; i < l->n; i++) {
+		const float rise = l->slope[i] * reach - m->hz->slack;
+
+		if (l->here[i] + (rise > 0 ? rise : 0) >= m->hz->highest)
+			continue;
+		l->at[n] = l->at[i];
+		l->slot[n] = l->slot[i];
+		l->here[n] = l->here[i];
+		l->slope[n++] = l->slope[i];
+	}
+	l->n = n;
+}
+
+/* Those that chunk c may raise, as packet_hit finds them. */
+static INLINE uint32_t
+test_loners(const struct loners *l, const float *crest, float reach)
+{
+	uint32_t hits = 0;
+
+	for (int i = 0; i < l->n; i++)
+		hits |= (uint32_t)(crest[l->at[i]] - l->here[i] >
+				   l->slope[i] * reach)
+			<< i;
+	return hits;
+}
+
+/* march_packet for one texel. */
+static INLINE float
+march_texel(const struct bake_horizon_chunk *chunk, const float *texel,
+    size_t minor, float here, float best)
+{
+	for (int i = 0; i < BAKE_CHUNK; i++) {
+		const float *p = texel + chunk->rel[i];
+		const float slope = chunk->w0[i] * (here - p[0]) +
+				    chunk->w1[i] * (here - p[minor]);
+
+		best = slope > best ? slope : best;
+	}
+	return best;
+}
+
+/* Chunk c and all after it. */
+static INLINE void
+march_loners(
+    const struct march *m, struct loners *l, long c, const bool x_major)
+{
+	const struct bake_horizon *hz = m->hz;
+	const struct bake_horizon_ray *ray = m->ray;
+	const size_t minor = x_major ? hz->heights.row_stride : 1;
+
+	for (; c < ray->nchunks; c++) {
+		const struct bake_horizon_chunk *chunk = &ray->chunks[c];
+		const float *texels;
+		int x, y;
+
+		if (c % SEGMENT == 0)
+			drop_loners(m, l, ray->places[c].reach);
+		if (l->n == 0)
+			return;
+		find_texel(m, &ray->places[c], &x, &y);
+		texels = texels_at(hz, x, y);
+		for (uint32_t hits = test_loners(l,
+			 hz->crests + (texels - hz->padded) + chunk->crest_rel,
+			 ray->places[c].reach);
+		     hits != 0; hits &= hits - 1) {
+			const int i = __builtin_ctz(hits);
+
+			l->slope[i] = march_texel(chunk, texels + l->at[i],
+			    minor, l->here[i], l->slope[i]);
+			m->slopes[l->slot[i]] = l->slope[i];
+		}
+	}
+}
+
 static INLINE void
 march_strip(struct march *m, const bool x_major)
 {
+	struct loners loners;
 	const struct bake_horizon_ray *ray = m->ray;
 	long c = 0, length = 1;
 
@@ -313,6 +442,10 @@ march_strip(struct march *m, const bool x_major)
 		bound_packets(m, from, ray->places[end - 1].reach);
 		if (m->alive == 0)
 			return;
+		if (find_loners(m, &loners)) {
+			march_loners(m, &loners, c, x_major);
+			return;
+		}
 		for (int i = 0; i < end - c; i++) {
 			spots[i] = find_spot(m, &ray->places[c + i]);
 			hits[i] = test_chunk(m, spots[i].windows,
@@ -403,138 +536,4 @@ BAKE_KERNEL(bake_horizon_near)(
 		march_near(&m, true);
 	else
 		march_near(&m, false);
-}
-
-/* What a crest is made of: for each step a row of the map, dx being the least
- * of their offsets. */
-struct taps {
-	int dx;
-	ptrdiff_t minor;
-	const float *at[BAKE_CHUNK];
-};
-
-/* The taps for row y. */
-static struct taps
-find_taps(const struct bake_horizon *hz, int y)
-{
-	const struct bake_horizon_dir *dir = &hz->ray[0].dir;
-	const ptrdiff_t stride = (ptrdiff_t)hz->heights.row_stride;
-	struct taps taps = { .minor = dir->x_major ? stride : 1 };
-	int dx[BAKE_CHUNK];
-
-	for (int i = 0; i < BAKE_CHUNK; i++) {
-		const int minor =
-		    (int)floor(i * dir->minor + BAKE_HORIZON_SNAP);
-		const int dy = dir->x_major ? minor : i * dir->major;
-		const int row = hz->wrap.clamp_v
-				    ? bake_horizon_wrap(y + dy,
-					  hz->heights.height, true, hz->top)
-				    : bake_wrap_index((long)y + dy,
-					  hz->heights.height, false);
-
-		dx[i] = dir->x_major ? i * dir->major : minor;
-		taps.dx = dx[i] < taps.dx ? dx[i] : taps.dx;
-		taps.at[i] = hz->heights.data + row * stride;
-	}
-	for (int i = 0; i < BAKE_CHUNK; i++)
-		taps.at[i] += dx[i] - taps.dx;
-	return taps;
-}
-
-/* The highest texel that any ray through the chunk can meet, wherever
- * between two texels it starts. */
-static INLINE vec_f
-crest_at(const struct taps *taps, ptrdiff_t x)
-{
-	vec_f high = vec_load(taps->at[0] + x);
-
-	for (int i = 0; i < BAKE_CHUNK; i++) {
-		const float *p = taps->at[i] + x;
-
-		high = vec_max(vec_max(vec_load(p), vec_load(p + taps->minor)),
-		    vec_max(vec_load(p + 2 * taps->minor), high));
-	}
-	return high;
-}
-
-void
-BAKE_KERNEL(bake_horizon_crest_row)(const struct bake_horizon *hz, int y)
-{
-	const struct taps taps = find_taps(hz, y);
-	const int width = hz->heights.width;
-	const int left = hz->left, n = hz->padded_width;
-	const bool clamp = hz->wrap.clamp_u;
-	float *out =
-	    hz->crests + (size_t)(y + hz->top) * hz->heights.row_stride;
-	int px = bake_wrap_index(taps.dx, width, false);
-
-	for (int x = 0; x < n; x += VEC_LANES) {
-		/* where all is border, anywhere there will do */
-		const int at = clamp ? bake_horizon_wrap(x - left + taps.dx,
-					   width + ALL_BORDER, true, left)
-				     : px;
-		vec_f high = crest_at(&taps, at);
-		float rest[VEC_LANES];
-
-		for (px += VEC_LANES; px >= width;)
-			px -= width;
-		if (x + VEC_LANES <= n) {
-			vec_store(out + x, high);
-			continue;
-		}
-		vec_store(rest, high);
-		for (int i = 0; x + i < n; i++)
-			out[x + i] = rest[i];
-	}
-}
-
-/* dst(x) = max of src(x) and src(x + add) for one row of windows; beyond the
- * last origin windows are cut short, and not used. */
-static void
-widen_row(float *dst, const float *src, size_t stride, int add)
-{
-	for (int p = 0; p < BAKE_WINDOW_PHASES; p++) {
-		const size_t skip = (size_t)(p + add) / BAKE_WINDOW_PHASES;
-		const float *a = src + (size_t)p * stride;
-		const float *b =
-		    src + (size_t)(p + add) % BAKE_WINDOW_PHASES * stride +
-		    skip;
-		float *out = dst + (size_t)p * stride;
-
-		for (size_t i = 0; i < stride - skip; i++)
-			out[i] = a[i] > b[i] ? a[i] : b[i];
-		for (size_t i = stride - skip; i < stride; i++)
-			out[i] = a[i];
-	}
-}
-
-void
-BAKE_KERNEL(bake_horizon_windows_row)(
-    const struct bake_horizon *hz, int y2, float *scratch)
-{
-	const size_t stride = hz->windows.stride;
-	const size_t n = stride * BAKE_WINDOW_PHASES;
-	float *from = scratch, *to = scratch + n;
-	int last = 1;
-
-	memcpy(
-	    from, bake_horizon_window_row(&hz->blocks, y2), n * sizeof *from);
-	for (int i = 1; i < hz->rows; i++) {
-		const float *src = bake_horizon_window_row(&hz->blocks, y2 + i);
-
-		for (size_t x = 0; x < n; x++)
-			from[x] = src[x] > from[x] ? src[x] : from[x];
-	}
-	/* windows of 2, 4, 8 columns and then two that overlap */
-	while (last < hz->columns) {
-		int add = last < hz->columns - last ? last : hz->columns - last;
-		float *t = from;
-
-		widen_row(to, from, stride, add);
-		from = to;
-		to = t;
-		last += add;
-	}
-	memcpy(
-	    bake_horizon_window_row(&hz->windows, y2), from, n * sizeof *from);
 }
