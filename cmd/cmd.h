@@ -207,7 +207,13 @@ bool cmd_size(const struct cmd *cmd, const char *option, const char *text,
 bool cmd_choice(const struct cmd *cmd, const char *option, const char *text,
     const char *const *names, int n, int *index);
 
-/* Append a copy of the text; out of memory ends the process with an error. */
+/* p; where it is NULL, memory for a few words of text, nothing else would work
+ * either: the process ends with an error. */
+void *cmd_need(void *p);
+/* A copy of the text, to be freed; NULL of NULL. */
+char *cmd_copy(const char *text);
+
+/* Append a copy of the text. */
 void cmd_list_add(struct cmd_list *list, const char *text);
 void cmd_list_free(struct cmd_list *list);
 /* Drop all items from the n-th on. */

@@ -69,7 +69,7 @@ cmd_unchanged_set(struct cmd *cmd, cmd_more_fn *more, const void *arg)
 		take_set(&record, set, sizeof set);
 		/* the label without its type */
 		if (ok && more != NULL && set[0] != '\0') {
-			char *label = cmd_recipe_copy(r->planned[i].label);
+			char *label = cmd_copy(r->planned[i].label);
 
 			*strrchr(label, ' ') = '\0';
 			more(cmd, label, set, arg);

@@ -51,13 +51,13 @@ draw(struct cmd_progress *bar, double share, const char *more)
 
 	if (share > 0.01)
 		duration(spent * (1 - share) / share, left);
+	/* before: a signal may come as soon as it is drawn */
+	cmd_signals_bar(fileno(bar->err));
 	fprintf(bar->err, "\r[%-*.*s] %3d %%%s%s%s\033[K", WIDTH, filled,
 	    "##############################", (int)(share * 100), more,
 	    left[0] != '\0' ? ", left: " : "", left);
 	fflush(bar->err);
 	bar->drawn = true;
-	cmd_signals_bar(fileno(bar->err));
-	cmd_signals_bar(fileno(bar->err));
 }
 
 static void
@@ -105,7 +105,6 @@ cmd_progress_erase(struct cmd_progress *bar)
 	fputs("\r\033[K", bar->err);
 	fflush(bar->err);
 	bar->drawn = false;
-	cmd_signals_bar(-1);
 	cmd_signals_bar(-1);
 }
 

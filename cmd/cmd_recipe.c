@@ -11,36 +11,22 @@
 
 /* To be raised whenever the same inputs and options give other outputs than
  * they did, within one version of the tools. */
-enum { RECIPE_VERSION = 1 };
+enum { RECIPE_VERSION = 2 };
 
 enum { ALL = CMD_ARG_INPUT | CMD_ARG_EACH | CMD_ARG_PREFIX };
-
-void *
-cmd_recipe_need(void *p)
-{
-	if (p != NULL)
-		return p;
-	cmd_die("no memory");
-}
-
-char *
-cmd_recipe_copy(const char *text)
-{
-	return text != NULL ? cmd_recipe_need(strdup(text)) : NULL;
-}
 
 /* Room for one more; the array, grown. */
 void *
 cmd_recipe_grow(void *array, int n, size_t size)
 {
-	return cmd_recipe_need(realloc(array, ((size_t)n + 1) * size));
+	return cmd_need(realloc(array, ((size_t)n + 1) * size));
 }
 
 struct cmd_recipe *
 cmd_recipe_of(struct cmd *cmd)
 {
 	if (cmd->recipe == NULL)
-		cmd->recipe = cmd_recipe_need(calloc(1, sizeof *cmd->recipe));
+		cmd->recipe = cmd_need(calloc(1, sizeof *cmd->recipe));
 	return cmd->recipe;
 }
 
@@ -95,8 +81,8 @@ cmd_recipe_given(struct cmd *cmd, const char *option, const char *arg)
 		return;
 	r->given = cmd_recipe_grow(r->given, r->ngiven, sizeof *r->given);
 	r->given[r->ngiven++] =
-	    (struct given){ cmd_recipe_copy(option != NULL ? option : ""),
-		    cmd_recipe_copy(arg), false };
+	    (struct given){ cmd_copy(option != NULL ? option : ""),
+		    cmd_copy(arg), false };
 	if (!(cmd->tool->groups & CMD_IN_ORDER))
 		sort_in(r);
 }
@@ -251,15 +237,15 @@ cmd_recipe_begin(struct cmd *cmd, int i)
 	FILE *fp;
 
 	end_job(r);
-	fp = cmd_recipe_need(open_memstream(&r->main, &r->nmain));
+	fp = cmd_need(open_memstream(&r->main, &r->nmain));
 	snprintf(version, sizeof version, "%d", RECIPE_VERSION);
 	cmd_recipe_put_text(fp, 't', cmd->tool->name);
 	cmd_recipe_put_text(fp, 't', RELIEF_VERSION);
 	cmd_recipe_put_text(fp, 't', version);
 	put_given(cmd, r, fp, i);
 	if (fclose(fp) != 0) /* glibc tells of no memory by main alone */
-		cmd_recipe_need(NULL);
-	cmd_recipe_need(r->main);
+		cmd_need(NULL);
+	cmd_need(r->main);
 	r->begun = true;
 	r->nread = cmd->read.n;
 }
@@ -342,11 +328,10 @@ cmd_recipe_output(struct cmd *cmd, const char *path, const char *label)
 		cmd->has_type || (cmd->tool->groups & CMD_OUTPUT_PREFIX);
 	if (asprintf(&text, "%s %s", label,
 		typed ? bake_file_type_name(type) : "") < 0)
-		cmd_recipe_need(NULL);
+		cmd_need(NULL);
 	if (!standard && is_input(r, path))
 		r->in_place = true;
 	r->planned =
 	    cmd_recipe_grow(r->planned, r->nplanned, sizeof *r->planned);
-	r->planned[r->nplanned++] =
-	    (struct planned){ cmd_recipe_copy(path), text };
+	r->planned[r->nplanned++] = (struct planned){ cmd_copy(path), text };
 }

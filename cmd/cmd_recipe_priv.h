@@ -52,9 +52,6 @@ struct cmd_recipe {
 	char set[64];
 };
 
-/* Memory, or the end of the process. */
-void *cmd_recipe_need(void *p);
-char *cmd_recipe_copy(const char *text);
 /* Room for one more; the array, grown. */
 void *cmd_recipe_grow(void *array, int n, size_t size);
 

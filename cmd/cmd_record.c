@@ -19,7 +19,7 @@ further(struct cmd_recipe *r, const char *path)
 	r->further =
 	    cmd_recipe_grow(r->further, r->nfurther, sizeof *r->further);
 	f = &r->further[r->nfurther++];
-	f->path = cmd_recipe_copy(path);
+	f->path = cmd_copy(path);
 	f->known = bake_digest_file(path, &f->digest, &err) == BAKE_OK;
 	return f;
 }
@@ -84,7 +84,7 @@ make_list(struct cmd *cmd, struct cmd_recipe *r, char list[BAKE_RECORD_LIST])
 {
 	char *text = NULL;
 	size_t n = 0, nothing;
-	FILE *fp = cmd_recipe_need(open_memstream(&text, &n));
+	FILE *fp = cmd_need(open_memstream(&text, &n));
 	bool ok = true;
 
 	fputs("files:|", fp);
@@ -96,8 +96,8 @@ make_list(struct cmd *cmd, struct cmd_recipe *r, char list[BAKE_RECORD_LIST])
 			ok = put_item(r, cmd->read.item[i], fp);
 	putc('!', fp);
 	if (fclose(fp) != 0) /* glibc tells of no memory by text alone */
-		cmd_recipe_need(NULL);
-	cmd_recipe_need(text);
+		cmd_need(NULL);
+	cmd_need(text);
 	nothing = strlen("files:|!");
 	ok = ok && n < BAKE_RECORD_LIST;
 	if (ok)
@@ -120,7 +120,7 @@ item_path(const struct cmd_recipe *r, const char *item, size_t n)
 		return NULL;
 	arg = r->input[i].arg;
 	first = *end == '+' ? strlen(arg) : (size_t)folder_length(arg);
-	path = to = cmd_recipe_need(malloc(first + n + 1));
+	path = to = cmd_need(malloc(first + n + 1));
 	memcpy(path, arg, first);
 	to += first;
 	for (const char *p = end + 1; p < item + n; p++) {
@@ -174,7 +174,7 @@ cmd_recipe_digest(struct cmd_recipe *r, const char *label, const char *list,
 {
 	char *text = NULL;
 	size_t n = 0;
-	FILE *fp = cmd_recipe_need(open_memstream(&text, &n));
+	FILE *fp = cmd_need(open_memstream(&text, &n));
 	bool ok;
 
 	fwrite(r->main, 1, r->nmain, fp);
@@ -182,8 +182,8 @@ cmd_recipe_digest(struct cmd_recipe *r, const char *label, const char *list,
 	cmd_recipe_put_text(fp, 's', list);
 	ok = cmd_recipe_put_list(r, list, fp, NULL);
 	if (fclose(fp) != 0) /* glibc tells of no memory by text alone */
-		cmd_recipe_need(NULL);
-	cmd_recipe_need(text);
+		cmd_need(NULL);
+	cmd_need(text);
 	*digest = bake_digest_of(text, n);
 	free(text);
 	return ok;
@@ -208,23 +208,12 @@ cmd_recipe_record(struct cmd *cmd, const char *path, struct cmd_record *record)
 	return true;
 }
 
-static void
-remove_attr(struct bake_attrs *attrs, const char *name)
-{
-	int n = 0;
-
-	for (int i = 0; i < attrs->n; i++)
-		if (strcmp(attrs->attr[i].name, name) != 0)
-			attrs->attr[n++] = attrs->attr[i];
-	attrs->n = n;
-}
-
 void
 cmd_recipe_attrs(struct cmd *cmd, const char *path, struct bake_attrs *attrs,
     struct cmd_record *record)
 {
-	remove_attr(attrs, "Recipe");
-	remove_attr(attrs, "RecipeFiles");
+	bake_attrs_remove(attrs, "Recipe");
+	bake_attrs_remove(attrs, "RecipeFiles");
 	if (!cmd_recipe_record(cmd, path, record))
 		return;
 	bake_attrs_set(attrs, "Recipe", record->text);

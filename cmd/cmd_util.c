@@ -11,13 +11,18 @@
 #include "cmd_signal.h"
 #include "output.h"
 
-/* Memory for a few words of text: where that fails, nothing else will work. */
-static void *
-need(void *p)
+void *
+cmd_need(void *p)
 {
 	if (p != NULL)
 		return p;
 	cmd_die("no memory");
+}
+
+char *
+cmd_copy(const char *text)
+{
+	return text != NULL ? cmd_need(strdup(text)) : NULL;
 }
 
 /* One line, with no control character from a file's name in it. */
@@ -153,7 +158,7 @@ cmd_paths_differ(const struct cmd *cmd, const struct cmd_list *in,
 
 	if (cmd->output_dir == NULL || in->n < 2)
 		return true;
-	pairs = need(calloc((size_t)in->n, sizeof *pairs));
+	pairs = cmd_need(calloc((size_t)in->n, sizeof *pairs));
 	for (int i = 0; i < in->n; i++) {
 		char *path = path_of(cmd, in->item[i], arg);
 
@@ -189,9 +194,9 @@ cmd_list_add(struct cmd_list *list, const char *text)
 		size_t room = list->n == 0 ? 1 : 2 * (size_t)list->n;
 
 		list->item =
-		    need(realloc(list->item, (room + 1) * sizeof(char *)));
+		    cmd_need(realloc(list->item, (room + 1) * sizeof(char *)));
 	}
-	list->item[list->n++] = need(strdup(text));
+	list->item[list->n++] = cmd_copy(text);
 	list->item[list->n] = NULL; /* as argv ends */
 }
 
@@ -244,7 +249,7 @@ cmd_path_derive(
 		       suffix, ext) < 0) {
 		out = NULL;
 	}
-	return need(out);
+	return cmd_need(out);
 }
 
 /* -- leaving --------------------------------------------------------------- */
@@ -276,8 +281,8 @@ static bool *
 first_of_each(const struct cmd_list *list)
 {
 	size_t n = (size_t)list->n;
-	bool *first = need(calloc(n + 1, sizeof *first));
-	struct pair *at = need(calloc(n + 1, sizeof *at));
+	bool *first = cmd_need(calloc(n + 1, sizeof *first));
+	struct pair *at = cmd_need(calloc(n + 1, sizeof *at));
 
 	for (int i = 0; i < list->n; i++)
 		at[i] = (struct pair){ list->item[i], NULL, i };

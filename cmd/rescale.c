@@ -244,17 +244,6 @@ fail:
 
 /* -- writing it back ----------------------------------------------------- */
 
-static void
-remove_attr(struct bake_attrs *attrs, const char *name)
-{
-	int n = 0;
-
-	for (int i = 0; i < attrs->n; i++)
-		if (strcmp(attrs->attr[i].name, name) != 0)
-			attrs->attr[n++] = attrs->attr[i];
-	attrs->n = n;
-}
-
 /*
  * DepthScale is the scale that normals agree with: where there are some it
  * stays, and AOScale says that the AO belongs to another one. A file of AO
@@ -265,9 +254,9 @@ set_scale(struct bake_attrs *attrs, const struct rescale_file *f, double scale)
 {
 	const bool same = (float)scale == (float)f->map.meta.depth_scale;
 
-	remove_attr(attrs, "AOScale");
+	bake_attrs_remove(attrs, "AOScale");
 	if (!f->has_normals)
-		remove_attr(attrs, "DepthScale");
+		bake_attrs_remove(attrs, "DepthScale");
 	if (scale >= 0 && !(f->has_normals && same))
 		bake_attrs_set_number(
 		    attrs, f->has_normals ? "AOScale" : "DepthScale", scale);

@@ -5,18 +5,7 @@
 
 #include "cmd_batch.h"
 #include "cmd_recipe.h"
-#include "cmd_signal.h"
 #include "multilayer_tool.h"
-
-static char *
-copy_path(const char *path)
-{
-	char *copy = strdup(path);
-
-	if (copy == NULL)
-		cmd_die("no memory");
-	return copy;
-}
 
 /* What the names of an input's outputs begin with; NULL: nothing is written.
  * To be freed. */
@@ -25,7 +14,7 @@ prefix_of(const struct cmd *cmd, const char *input, const void *arg)
 {
 	(void)arg;
 	if (cmd->output != NULL)
-		return copy_path(cmd->output);
+		return cmd_copy(cmd->output);
 	if (cmd->output_dir == NULL)
 		return NULL;
 	return cmd_path_derive(input, cmd->output_dir, "", "");

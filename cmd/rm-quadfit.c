@@ -6,7 +6,6 @@
 
 #include "cmd_batch.h"
 #include "cmd_recipe.h"
-#include "cmd_signal.h"
 #include "quadfit.h"
 
 enum {
@@ -173,16 +172,6 @@ choose_type(
 	return true;
 }
 
-static char *
-copy_path(const char *path)
-{
-	char *copy = strdup(path);
-
-	if (copy == NULL)
-		cmd_die("no memory");
-	return copy;
-}
-
 /* Where the output for an input goes; NULL: nowhere. To be freed. */
 static char *
 output_path(const struct cmd *cmd, const char *input, const void *arg)
@@ -191,7 +180,7 @@ output_path(const struct cmd *cmd, const char *input, const void *arg)
 	char ext[8];
 
 	if (cmd->output != NULL)
-		return copy_path(cmd->output);
+		return cmd_copy(cmd->output);
 	if (cmd->output_dir == NULL)
 		return NULL;
 	snprintf(ext, sizeof ext, ".%s", quadfit_types[type]);

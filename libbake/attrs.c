@@ -75,6 +75,17 @@ bake_attrs_set_number(struct bake_attrs *attrs, const char *name, double value)
 	set(attrs, name, best, true);
 }
 
+void
+bake_attrs_remove(struct bake_attrs *attrs, const char *name)
+{
+	int n = 0;
+
+	for (int i = 0; i < attrs->n; i++)
+		if (strcmp(attrs->attr[i].name, name) != 0)
+			attrs->attr[n++] = attrs->attr[i];
+	attrs->n = n;
+}
+
 const char *
 bake_attrs_get(const struct bake_attrs *attrs, const char *name)
 {

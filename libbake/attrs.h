@@ -47,6 +47,9 @@ BAKE_API void bake_attrs_set(
 BAKE_API void bake_attrs_set_number(
     struct bake_attrs *attrs, const char *name, double value);
 
+/* Take an attribute away, if it is there. */
+BAKE_API void bake_attrs_remove(struct bake_attrs *attrs, const char *name);
+
 /* The value of an attribute; NULL where there is none. Belongs to attrs. */
 BAKE_API const char *bake_attrs_get(
     const struct bake_attrs *attrs, const char *name);

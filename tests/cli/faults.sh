@@ -63,16 +63,6 @@ if [ ! -e "$shim" ]; then
 	skip 'there is none in this build'
 else
 	# FAULTS=all is the full sweep, of half an hour
-	set -- faults "$shim" "$in"
-	[ "${FAULTS-}" != all ] || set -- "$@" --all
-	python3 -B "$top/tests/fault/sweep.py" "$@" >"$PRIV/sweep" || {
-		status=$?
-		if [ $status -eq 77 ]; then
-			skip 'the kernel traps no system calls'
-		else
-			bad 'see below'
-		fi
-	}
-	sed 's/^/    /' "$PRIV/sweep"
+	fault_sweep faults "$shim" "$in"
 fi
 no_litter ''

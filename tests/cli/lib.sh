@@ -14,6 +14,8 @@
 #	stdout_empty, stderr_empty
 #	same_bytes A B, differ A B, absent FILE..., present FILE...
 #	same_result A B         the same but for the record of their recipes
+#	fault_sweep JOB SHIM FOLDER   tests/fault/sweep.py, and what it says
+#	copy_project            the example project, which finds relief.mk
 #	no_litter NAME...       the working folder holds just these names
 set -eu
 
@@ -202,4 +204,27 @@ try:
 except (KeyError, ValueError):
     v = "missing"
 print(v if not isinstance(v, float) else "%.6g" % v)' "$PRIV/out" "$1"
+}
+
+fault_sweep() {
+	[ "${FAULTS-}" != all ] || set -- "$@" --all
+	python3 -B "$top/tests/fault/sweep.py" "$@" >"$PRIV/sweep" || {
+		status=$?
+		if [ $status -eq 77 ]; then
+			skip 'the kernel traps no system calls'
+		else
+			bad 'see below'
+		fi
+	}
+	sed 's/^/    /' "$PRIV/sweep"
+}
+
+copy_project() {
+	cp "$DATA"/*.png "$DATA/torus.obj" .
+	cp -R "$DATA/project" project
+	mkdir "$PRIV/pc"
+	printf '%s\n' "mk=$top/scripts/relief.mk" 'Name: relief' \
+	    'Description: test' 'Version: 1' >"$PRIV/pc/relief.pc"
+	PKG_CONFIG_PATH=$PRIV/pc
+	export PKG_CONFIG_PATH
 }

@@ -13,13 +13,8 @@ case $(make --version | sed -n '1s/^GNU Make //p') in
 	;;
 esac
 
-cp "$DATA"/*.png "$DATA/torus.obj" .
-cp -R "$DATA/project" project
-mkdir "$PRIV/pc" "$PRIV/bin"
-printf '%s\n' "mk=$top/scripts/relief.mk" 'Name: relief' 'Description: test' \
-    'Version: 1' >"$PRIV/pc/relief.pc"
-PKG_CONFIG_PATH=$PRIV/pc
-export PKG_CONFIG_PATH
+copy_project
+mkdir "$PRIV/bin"
 out=$PWD/out
 
 # The tools, counted.

@@ -102,15 +102,5 @@ for job in kills live; do
 		continue
 	fi
 	# FAULTS=all: at every call
-	set -- $job "$shim" "$PRIV/in"
-	[ "${FAULTS-}" != all ] || set -- "$@" --all
-	python3 -B "$top/tests/fault/sweep.py" "$@" >"$PRIV/sweep" || {
-		status=$?
-		if [ $status -eq 77 ]; then
-			skip 'the kernel traps no system calls'
-		else
-			bad 'see below'
-		fi
-	}
-	sed 's/^/    /' "$PRIV/sweep"
+	fault_sweep $job "$shim" "$PRIV/in"
 done

@@ -93,13 +93,8 @@ until timeout 5 sinfo -h -o %t 2>/dev/null | grep -q '^idle'; do
 	sleep 1
 done
 
-cp "$DATA"/*.png "$DATA/torus.obj" .
-cp -R "$DATA/project" project
-mkdir "$PRIV/pc" "$PRIV/bin"
-printf '%s\n' "mk=$top/scripts/relief.mk" 'Name: relief' 'Description: test' \
-    'Version: 1' >"$PRIV/pc/relief.pc"
-PKG_CONFIG_PATH=$PRIV/pc
-export PKG_CONFIG_PATH
+copy_project
+mkdir "$PRIV/bin"
 
 # rm-combine's first start takes long: that job is requeued.
 rm_combine=$(command -v rm-combine)
