@@ -389,9 +389,11 @@ bake_horizon_far_span(const struct bake_horizon *hz, int side, int x0, int y0,
 	const struct bake_horizon_ray *ray = &hz->ray[side];
 	const long left = ray->nsegments - first;
 
+	*span = (struct bake_horizon_span){ .n = 0 };
+	if (left == 0)
+		return first;
 	span->segments = ray->segments + first;
 	span->n = left < BAKE_FAR_SPAN ? (int)left : BAKE_FAR_SPAN;
-	span->nseparate = span->nfine = 0;
 	for (int s = 0; s < span->n; s++) {
 		const struct bake_horizon_segment *seg = &span->segments[s];
 		const bool separate = seg->level < BAKE_FAR_SHARED;

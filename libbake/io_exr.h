@@ -17,6 +17,14 @@ extern "C" {
 #endif
 
 /*
+ * Whether all chunks of all parts of an EXR file just written are there. The
+ * library writes their table when it closes the file, and tells nobody where
+ * that fails (for want of memory). The stream can be read; it stays where it
+ * is.
+ */
+bool bake_exr_is_whole(FILE *stream, const char *name);
+
+/*
  * Multi-part files. A part is an image of its own, with a name, channels and
  * attributes; its channels come from one or several pixels of one size.
  *

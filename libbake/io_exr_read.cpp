@@ -42,7 +42,7 @@ class Source : public Imf::IStream
 	}
 	~Source() override
 	{
-		if (fp != nullptr)
+		if (fp != nullptr && !lent)
 			fclose(fp);
 	}
 	/* false, errno set, where it cannot be opened */
@@ -55,6 +55,20 @@ class Source : public Imf::IStream
 		if (fp == nullptr || fseeko(fp, 0, SEEK_END) != 0 ||
 		    (end = ftello(fp)) < 0)
 			return false;
+		size = (size_t)end;
+		return true;
+	}
+	/* a stream that stays the caller's */
+	bool
+	lend(FILE *stream)
+	{
+		off_t end =
+		    fseeko(stream, 0, SEEK_END) == 0 ? ftello(stream) : -1;
+
+		if (end < 0)
+			return false;
+		fp = stream;
+		lent = true;
 		size = (size_t)end;
 		return true;
 	}
@@ -103,6 +117,7 @@ class Source : public Imf::IStream
 
       private:
 	FILE *fp = nullptr;
+	bool lent = false;
 	const char *bytes = nullptr;
 	size_t at = 0;
 };
@@ -114,6 +129,28 @@ get_bytes(void *context, size_t at, void *bytes, size_t n)
 }
 
 } // namespace
+
+bool
+bake_exr_is_whole(FILE *stream, const char *name)
+{
+	const off_t at = ftello(stream);
+	bool whole = at >= 0;
+
+	try {
+		Source source(name);
+
+		whole = whole && source.lend(stream);
+		if (whole) {
+			Imf::MultiPartInputFile file(source, 0, false);
+
+			for (int i = 0; i < file.parts(); i++)
+				whole = whole && file.partComplete(i);
+		}
+	} catch (...) {
+		whole = false;
+	}
+	return whole && fseeko(stream, at, SEEK_SET) == 0;
+}
 
 struct bake_exr {
 	std::string name;

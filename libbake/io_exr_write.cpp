@@ -112,6 +112,17 @@ class Stream : public Imf::OStream
 		return bake_fail(
 		    err, BAKE_EIO, "%s: %s", fileName(), strerror(failure));
 	}
+	/* The same of a file that was closed. */
+	enum bake_status
+	finish_file(struct bake_err *err)
+	{
+		enum bake_status rc = finish(err);
+
+		if (rc != BAKE_OK || bake_exr_is_whole(fp, fileName()))
+			return rc;
+		return bake_fail(
+		    err, BAKE_ENOMEM, "%s: no memory to write it", fileName());
+	}
 	int failure = 0;
 
       private:
@@ -126,16 +137,20 @@ class Stream : public Imf::OStream
 	}
 };
 
-/* How many threads compress. They belong to the process, not to the file: the
- * library has one pool, which only grows here. */
+/* How many threads compress so many texels, see bake_io_set_exr_threads. They
+ * belong to the process, not to the file: the library has one pool, which only
+ * grows here. */
 int
-use_threads(int nthreads)
+use_threads(int nthreads, double ntexels)
 {
 	int n = bake_threads(nthreads);
+	/* makes the pool: where the first task does and there is no memory for
+	 * it, that task is waited for forever */
+	int nthere = Imf::globalThreadCount();
 
-	if (n <= 1)
+	if (n <= 1 || ntexels < 1 << 19)
 		return 0; /* in the calling one */
-	if (Imf::globalThreadCount() < n)
+	if (nthere < n)
 		Imf::setGlobalThreadCount(n);
 	return n;
 }
@@ -276,20 +291,24 @@ write_parts(const struct bake_exr_part *part, int nparts, int nthreads,
     Stream &stream, struct bake_err *err)
 {
 	std::vector<Imf::Header> headers;
+	double ntexels = 0;
 	enum bake_status rc =
 	    make_headers(headers, part, nparts, stream.fileName(), err);
 
 	if (rc != BAKE_OK)
 		return rc;
+	for (int i = 0; i < nparts; i++)
+		ntexels += (double)part[i].channels[0].px->width *
+			   part[i].channels[0].px->height;
 	{
 		/* its end writes the tables */
 		Imf::MultiPartOutputFile out(stream, headers.data(), nparts,
-		    false, use_threads(nthreads));
+		    false, use_threads(nthreads, ntexels));
 
 		for (int i = 0; i < nparts; i++)
 			write_part(out, &part[i], i);
 	}
-	return stream.finish(err);
+	return stream.finish_file(err);
 }
 
 } // namespace
@@ -348,8 +367,8 @@ open_deep(struct bake_deep_writer *w, const struct bake_deep_channel *channel,
 	header.setType(Imf::DEEPSCANLINE);
 	header.compression() = Imf::ZIPS_COMPRESSION;
 	put_attrs(header, attrs);
-	w->out.reset(new Imf::DeepScanLineOutputFile(
-	    w->stream, header, use_threads(nthreads)));
+	w->out.reset(new Imf::DeepScanLineOutputFile(w->stream, header,
+	    use_threads(nthreads, (double)w->width * w->height)));
 	return BAKE_OK;
 }
 
@@ -491,11 +510,12 @@ bake_deep_writer_close(struct bake_deep_writer *w, struct bake_err *err)
 		return BAKE_OK;
 	try {
 		w->out.reset(); /* writes the table */
-		rc = w->stream.finish(err);
-		if (rc == BAKE_OK && w->y < w->height)
+		if (w->y < w->height && w->stream.failure == 0)
 			rc = bake_fail(err, BAKE_EINVAL,
 			    "%s: only %d of %d rows were written",
 			    w->name.c_str(), w->y, w->height);
+		else
+			rc = w->stream.finish_file(err);
 		delete w;
 	} catch (...) {
 		rc = bake_fail(err, BAKE_EIO, "the EXR library failed");

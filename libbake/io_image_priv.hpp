@@ -19,6 +19,11 @@ int bake_io_band_rows(void);
 /* OpenImageIO's message on one line. */
 std::string bake_io_one_line(std::string text);
 
+/* Before an EXR of so many bytes is opened: threads of the library's own only
+ * where they pay. Where a task for them cannot be queued for want of memory,
+ * OpenEXR 3.1 waits for it forever. */
+void bake_io_set_exr_threads(size_t nbytes);
+
 enum bake_status bake_io_no_memory(struct bake_err *err, const char *name);
 
 /* To be called in a catch block: the exception as a failure. */

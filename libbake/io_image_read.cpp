@@ -32,6 +32,14 @@ bake_io_one_line(std::string text)
 	return text.empty() ? "the file is corrupt or not supported" : text;
 }
 
+void
+bake_io_set_exr_threads(size_t nbytes)
+{
+	const size_t many = (size_t)1 << 22;
+
+	OIIO::attribute("exr_threads", nbytes < many ? -1 : 0);
+}
+
 enum bake_status
 bake_io_no_memory(struct bake_err *err, const char *name)
 {
@@ -332,6 +340,7 @@ open_proxy(struct bake_reader *r, const unsigned char *head, size_t nhead,
 		    r->name.c_str(), plugin);
 	config.attribute("oiio:UnassociatedAlpha", 1);
 	config.attribute("oiio:ioproxy", TypeDesc::PTR, &proxy);
+	bake_io_set_exr_threads(r->proxy->size());
 	if (!r->in->open(r->name, spec, config))
 		return fail_decoding(r, err);
 	rc = check_size(r, spec, kind, r->proxy->size(), limits, err);

@@ -1,5 +1,6 @@
 /* Writing image files: the shim over OpenImageIO; no exception leaves it. */
 /* SPDX-License-Identifier: MIT */
+#include "io_exr.h"
 #include "io_image_priv.hpp"
 
 #include <OpenImageIO/strutil.h>
@@ -340,6 +341,7 @@ write_stream(const struct picture &pic, const struct bake_write_params *params,
 		    "%s: this OpenImageIO was built without %s", name,
 		    plugin_of(params->type));
 	spec.attribute("oiio:ioproxy", TypeDesc::PTR, &pointer);
+	bake_io_set_exr_threads(spec.image_bytes(true));
 	if (out->open(name, spec))
 		rc = write_all(out.get(), pic, params, nclipped, err);
 	if (rc != BAKE_OK && rc != BAKE_EIO)
@@ -354,7 +356,8 @@ write_stream(const struct picture &pic, const struct bake_write_params *params,
 	if (!done)
 		return bake_fail(err, BAKE_EIO, "%s: %s", name,
 		    bake_io_one_line(out->geterror()).c_str());
-	if (params->type == BAKE_FILE_TIFF && !tiff_is_whole(stream, name))
+	if ((params->type == BAKE_FILE_TIFF && !tiff_is_whole(stream, name)) ||
+	    (params->type == BAKE_FILE_EXR && !bake_exr_is_whole(stream, name)))
 		return bake_fail(
 		    err, BAKE_ENOMEM, "%s: no memory to write it", name);
 	return BAKE_OK;
