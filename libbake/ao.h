@@ -146,9 +146,9 @@ struct bake_ao_result {
  *              BAKE_IMAGE_INIT
  *
  * Accuracy: exact is within 5e-6 of the formulas in real arithmetic up to
- * S W = 256. Fast is off by 3e-4 to 3e-3 on average, on relief, smooth hills
- * and white noise alike, which is no more than the error of 50 directions
- * themselves; preview by 1e-3 to 5e-3, and 1.3e-2 too light between thin
+ * S W = 256. Fast is off by 5e-4 to 5e-3 on average, on relief, smooth hills
+ * and white noise alike, which is about the error of 50 directions
+ * themselves; preview by 2e-3 to 1.2e-2, mostly too light, as between thin
  * parallel ridges. Where lone spikes of one texel are all there is to see, they
  * are off by 1.6e-2 and 2.6e-2. A texel that exact leaves open may have a
  * horizon just above 0 in fast, and the blur then replaces it: on rough tops

@@ -53,6 +53,40 @@ scan_gif(const struct bake_exr_source *source,
 	return bake_image_claim_check(&claim, BAKE_KIND_GIF, limits, name, err);
 }
 
+static uint32_t
+little(const unsigned char b[4])
+{
+	return (uint32_t)b[3] << 24 | (uint32_t)b[2] << 16 |
+	       (uint32_t)b[1] << 8 | b[0];
+}
+
+/* Runs are decoded, to the size that the header claims, when it is opened. */
+static enum bake_status
+scan_bmp(const struct bake_exr_source *source,
+    const struct bake_read_limits *limits, const char *name,
+    struct bake_err *err)
+{
+	enum { INFO = 14, OLD_INFO_SIZE = 12 };
+	struct bake_image_claim claim = { .nchans = 4,
+		.file_size = source->size };
+	unsigned char b[12];
+	int32_t height;
+
+	if (!source->read(source->context, INFO, b, sizeof b))
+		return BAKE_OK;
+	if (little(b) == OLD_INFO_SIZE) {
+		claim.width = b[4] | b[5] << 8;
+		claim.height = b[6] | b[7] << 8;
+	} else {
+		/* a negative height is that of rows from the top */
+		height = (int32_t)little(b + 8);
+		claim.width = (int32_t)little(b + 4);
+		claim.height =
+		    height > INT32_MIN && height < 0 ? -height : height;
+	}
+	return bake_image_claim_check(&claim, BAKE_KIND_BMP, limits, name, err);
+}
+
 /* The length of the user's data; all ones where the field is not used. */
 static enum bake_status
 scan_dpx(const struct bake_exr_source *source, const char *name,
@@ -69,8 +103,7 @@ scan_dpx(const struct bake_exr_source *source, const char *name,
 		size = (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 |
 		       (uint32_t)b[2] << 8 | b[3];
 	else
-		size = (uint32_t)b[3] << 24 | (uint32_t)b[2] << 16 |
-		       (uint32_t)b[1] << 8 | b[0];
+		size = little(b);
 	if (size != UINT32_MAX && size > source->size)
 		return bake_fail(err, BAKE_EDATA,
 		    "%s: %u bytes of user data in a file of %zu", name, size,
@@ -127,6 +160,8 @@ bake_image_scan(enum bake_image_kind kind, const struct bake_exr_source *source,
     struct bake_err *err)
 {
 	switch (kind) {
+	case BAKE_KIND_BMP:
+		return scan_bmp(source, limits, name, err);
 	case BAKE_KIND_DDS:
 		return scan_dds(source, name, err);
 	case BAKE_KIND_DPX:

@@ -350,17 +350,22 @@ bombs_are_refused_unopened(void)
 		{ "a.ppm", { NULL, 0 } },
 		{ "b.ppm", { NULL, 0 } },
 		{ "a.bmp", { NULL, 0 } },
+		{ "runs.bmp", { NULL, 0 } }, /* decoded by open() */
 		{ "a.hdr", { NULL, 0 } },
 	};
 	unsigned char bmp[100] = "BM";
 	const int n = sizeof bombs / sizeof *bombs, saved = quiet();
 
-	put_bytes(&bombs[n - 4].b, "P6 50000 50000 255\n", 19);
-	put_bytes(&bombs[n - 3].b, "P6 2147483647 2147483647 255\n", 29);
+	put_bytes(&bombs[n - 5].b, "P6 50000 50000 255\n", 19);
+	put_bytes(&bombs[n - 4].b, "P6 2147483647 2147483647 255\n", 29);
 	bmp[2] = 100; /* file size; then where the texels are, header size */
 	bmp[10] = 54;
 	bmp[14] = 40;
 	memcpy(bmp + 18, "\x50\xc3\0\0\x50\xc3\0\0\x01\0\x18\0", 12);
+	put_bytes(&bombs[n - 3].b, bmp, sizeof bmp);
+	memcpy(bmp + 18, "\x20\x4e\0\0\x20\x4e\0\0\x01\0\x08\0\x01", 13);
+	bmp[10] = 70; /* after four colours */
+	bmp[46] = bmp[50] = 4;
 	put_bytes(&bombs[n - 2].b, bmp, sizeof bmp);
 	put_bytes(&bombs[n - 1].b,
 	    "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 50000 +X 50000\n", 53);
