@@ -13,16 +13,17 @@ extern "C" {
 /*
  * Refuse what a decoder would set memory aside for, and fill it, without a
  * look at how much the file can hold: attributes of EXR, texts of PNG, the
- * canvas of GIF, the user's data of DPX. A file of a few hundred bytes takes
+ * canvas of GIF and BMP, the user's data of DPX. A file of a few hundred bytes takes
  * 2 GB there. And DDS of no bits a texel, over which it never ends. Other kinds
  * pass.
  *
  * BAKE_EDATA   a part that is longer than what is left of the file; a canvas
  *              that it cannot hold; for EXR also what bake_exr_scan refuses
- * BAKE_ELIMIT  EXR or GIF beyond the limits
+ * BAKE_ELIMIT  EXR, GIF or BMP beyond the limits
  *
  * Sources: W3C, 'Portable Network Graphics Specification', section 5.3;
- * CompuServe, 'GIF89a Specification', section 18; SMPTE ST 268, table 1;
+ * CompuServe, 'GIF89a Specification', section 18; Microsoft,
+ * BITMAPINFOHEADER; SMPTE ST 268, table 1;
  * exr_scan_priv.h.
  */
 enum bake_status bake_image_scan(enum bake_image_kind kind,
