@@ -60,18 +60,24 @@ little(const unsigned char b[4])
 	       (uint32_t)b[1] << 8 | b[0];
 }
 
-/* Runs are decoded, to the size that the header claims, when it is opened. */
+/* Runs are decoded, to the size that the header claims, when it is opened; and
+ * texels are looked for before the file where they begin beyond 2 GB. */
 static enum bake_status
 scan_bmp(const struct bake_exr_source *source,
     const struct bake_read_limits *limits, const char *name,
     struct bake_err *err)
 {
-	enum { INFO = 14, OLD_INFO_SIZE = 12 };
+	enum { TEXELS = 10, INFO = 14, OLD_INFO_SIZE = 12 };
 	struct bake_image_claim claim = { .nchans = 4,
 		.file_size = source->size };
 	unsigned char b[12];
 	int32_t height;
 
+	if (source->read(source->context, TEXELS, b, 4) &&
+	    little(b) > source->size)
+		return bake_fail(err, BAKE_EDATA,
+		    "%s: its texels begin at byte %u of %zu", name, little(b),
+		    source->size);
 	if (!source->read(source->context, INFO, b, sizeof b))
 		return BAKE_OK;
 	if (little(b) == OLD_INFO_SIZE) {
