@@ -8,8 +8,8 @@
 #include "cmd_batch.h"
 #include "cmd_signal.h"
 
-static double
-now(void)
+double
+cmd_progress_now(void)
 {
 	struct timespec t;
 
@@ -33,9 +33,10 @@ duration(double seconds, char text[32])
 static bool
 is_due(struct cmd_progress *bar)
 {
-	double t = now();
+	double t = cmd_progress_now();
 
-	if (!bar->shows || t - bar->started < 1 || t - bar->last < 0.1)
+	if (!bar->shows || t - bar->started < 1 ||
+	    t - bar->last < CMD_PROGRESS_SECONDS)
 		return false;
 	bar->last = t;
 	return true;
@@ -74,7 +75,8 @@ cmd_progress_start(const struct cmd *cmd, struct cmd_progress *bar)
 {
 	struct bake_progress progress = { NULL, NULL };
 
-	*bar = (struct cmd_progress){ .err = cmd->err, .started = now() };
+	*bar = (struct cmd_progress){ .err = cmd->err,
+		.started = cmd_progress_now() };
 	if (cmd_worker_progress(&progress))
 		return progress;
 	bar->shows = !cmd->quiet && isatty(fileno(cmd->err));

@@ -10,12 +10,18 @@
 
 struct cmd;
 
+/* The bar is drawn anew, and told what is new, as seldom as this. */
+#define CMD_PROGRESS_SECONDS 0.1
+
 struct cmd_progress {
 	FILE *err;
 	bool shows; /* whether there is a terminal to see it */
 	bool drawn;
 	double started, last; /* seconds */
 };
+
+/* Seconds of a clock that is never set. */
+double cmd_progress_now(void);
 
 /* What a bake reports to; in a worker of a batch, the batch. */
 struct bake_progress cmd_progress_start(

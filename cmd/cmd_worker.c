@@ -19,7 +19,7 @@ static struct {
 	int channel;
 	bool claimed; /* in this job */
 	int nthreads; /* of it */
-	double shown;
+	double told;  /* when the batch was told how far the job is */
 } worker;
 
 bool
@@ -189,14 +189,16 @@ cmd_decode_end(const struct cmd *cmd)
 /* -- progress ---------------------------------------------------------------
  */
 
+/* As often as a bar is drawn: a message costs as much as a bake of some
+ * thousand texels. */
 static void
 report(void *arg, double done)
 {
-	double *shown = arg;
+	double *told = arg, t = cmd_progress_now();
 
-	if (done < *shown + 0.01)
+	if (t < *told + CMD_PROGRESS_SECONDS)
 		return;
-	*shown = done;
+	*told = t;
 	tell(MESSAGE_PROGRESS, 0, done, NULL);
 }
 
@@ -206,7 +208,7 @@ cmd_worker_progress(struct bake_progress *progress)
 	if (!worker.is)
 		return false;
 	progress->report = report;
-	progress->arg = &worker.shown;
+	progress->arg = &worker.told;
 	return true;
 }
 
@@ -259,7 +261,7 @@ cmd_worker_run(
 		/* the libraries may have been silenced in the job before */
 		dup2(ends->err, STDERR_FILENO);
 		worker.claimed = false;
-		worker.shown = 0;
+		worker.told = cmd_progress_now();
 		cmd->nthreads = worker.nthreads = m.nthreads;
 		status = job(cmd, m.number, arg);
 		cmd_flush_warnings(cmd);
