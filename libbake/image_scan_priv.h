@@ -13,9 +13,9 @@ extern "C" {
 /*
  * Refuse what a decoder would set memory aside for, and fill it, without a
  * look at how much the file can hold: attributes of EXR, texts of PNG, the
- * canvas of GIF and BMP, the user's data of DPX. A file of a few hundred bytes takes
- * 2 GB there. And DDS of no bits a texel, over which it never ends. Other kinds
- * pass.
+ * canvas of GIF and BMP, the user's data of DPX. A file of a few hundred bytes
+ * takes 2 GB there. And DDS of no bits a texel, over which it never ends. Other
+ * kinds pass.
  *
  * BAKE_EDATA   a part that is longer than what is left of the file; a canvas
  *              that it cannot hold; for EXR also what bake_exr_scan refuses
