@@ -35,7 +35,7 @@ plan_file(struct cmd *cmd, const char *prefix, const char *view, int level,
 	snprintf(label, sizeof label, "%s%s_%s%s", view, mip, kind, number);
 	if (asprintf(&path, "%s%s_%s%s.%s", prefix, mip, kind, number,
 		bake_file_type_name(cmd->type)) < 0)
-		return;
+		cmd_need(NULL);
 	cmd_recipe_output(cmd, path, label);
 	free(path);
 }

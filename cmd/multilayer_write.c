@@ -281,10 +281,10 @@ write_levels(struct cmd *cmd, const struct multilayer_opts *o,
 		char *name = NULL;
 
 		if (i == 0)
-			name = strdup(prefix);
+			name = cmd_copy(prefix);
 		else if (asprintf(&name, "%s_mip%d", prefix, i) < 0)
-			name = NULL;
-		ok = name != NULL && write_files(cmd, &level[i], name);
+			cmd_need(NULL);
+		ok = write_files(cmd, &level[i], name);
 		free(name);
 	}
 	return ok;
