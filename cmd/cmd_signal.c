@@ -36,20 +36,30 @@ die_of_it(int sig)
 	errno = saved;
 }
 
-static void
-put(const char *text)
+/* In a handler there is memcpy and write; one write, because another thread may
+ * be telling something, too. */
+static size_t
+append(char *line, size_t n, size_t room, const char *text)
 {
-	if (write((int)err_fd, text, strlen(text)) < 0)
-		err_fd = STDERR_FILENO; /* nobody can be told */
+	size_t more = strlen(text);
+
+	more = more < room - n ? more : room - n;
+	memcpy(line + n, text, more);
+	return n + more;
 }
 
 _Noreturn void
 cmd_die(const char *reason)
 {
-	put(program_invocation_short_name);
-	put(": ");
-	put(reason);
-	put("\n");
+	char line[256];
+	size_t n = 0;
+
+	n = append(line, n, sizeof line, program_invocation_short_name);
+	n = append(line, n, sizeof line, ": ");
+	n = append(line, n, sizeof line, reason);
+	n = append(line, n, sizeof line, "\n");
+	if (write((int)err_fd, line, n) < 0)
+		err_fd = STDERR_FILENO; /* nobody can be told */
 	_exit(CMD_EXIT_FAIL);
 }
 

@@ -239,6 +239,10 @@ def is_reason(case, err):
     if "batch" in case.name and re.fullmatch(
             tool + ": [12] of 2 failed", lines[-1]):
         return True
+    # while one thread tells it another may give up, and say so besides
+    gave_up = tool + r": a library (gave up|ended the run): no memory\?"
+    if len(lines) == 2 and any(re.fullmatch(gave_up, l) for l in lines):
+        del lines[1]
     elif len(lines) > 1 and case.name != "info deep":  # one of each part
         return False
     return all(re.match("(%s: .*(/|\\.|-: |memory|crashed|gave up|written|standard "
